@@ -1,0 +1,54 @@
+//! The one error of the tool: a sentence the user can act on, and the exit code it means.
+
+use std::path::{Path, PathBuf};
+
+/// Why a command stopped. Every variant is bad input or an output that could not be written; neither panics.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// A file that was read is not what it must be.
+    #[error("{}{}{}: {message}", file.display(), at_line(*line), at_key(key))]
+    Input {
+        /// The file as the user named it.
+        file: PathBuf,
+        /// One-based line, where one is known.
+        line: Option<u64>,
+        /// Key or column the message is about; empty where none is.
+        key: String,
+        /// What is wrong, what is allowed, what was nearest.
+        message: String,
+    },
+    /// A flag or a combination of flags that cannot be carried out.
+    #[error("{0}")]
+    Usage(String),
+    /// An output that could not be written; the file there before is untouched.
+    #[error("{}: cannot write: {reason}", file.display())]
+    Output {
+        /// Where the output was to go.
+        file: PathBuf,
+        /// What the system said.
+        reason: String,
+    },
+}
+
+impl Error {
+    /// An error about `file`, optionally at a one-based `line` and a `key` or column (empty for none).
+    pub fn input(file: &Path, line: Option<u64>, key: &str, message: impl Into<String>) -> Self {
+        Self::Input { file: file.to_path_buf(), line, key: key.to_owned(), message: message.into() }
+    }
+
+    /// Process exit code: 2 for input that cannot be read or flags that cannot be followed, 1 for a failed output.
+    pub fn exit_code(&self) -> u8 {
+        match self {
+            Self::Input { .. } | Self::Usage(_) => 2,
+            Self::Output { .. } => 1,
+        }
+    }
+}
+
+fn at_line(line: Option<u64>) -> String {
+    line.map_or_else(String::new, |line| format!(":{line}"))
+}
+
+fn at_key(key: &str) -> String {
+    if key.is_empty() { String::new() } else { format!(": {key}") }
+}

@@ -1,0 +1,2 @@
+//! servo-lab.
+fn main() {}

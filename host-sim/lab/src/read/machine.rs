@@ -1,0 +1,85 @@
+//! The nominal model of a machine.
+
+use std::path::PathBuf;
+
+/// Whether positions are angles or lengths; decides every unit of the machine file and of its recordings.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum AxisKind {
+    /// rad, N m, kg m2.
+    Rotary,
+    /// m, N, kg.
+    Linear,
+}
+
+/// Section `[axis]`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Axis {
+    /// Rotary or linear.
+    pub kind: AxisKind,
+    /// Nominal sample period, s; a recording's own `t_s` decides.
+    pub sample_period_s: f64,
+    /// Smallest step of the measured position, rad or m; 0 for continuous.
+    pub resolution: f64,
+}
+
+/// Section `[plant.er]`: the damper, torque a E^2 + b E of the field that acts.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ErNominal {
+    /// N m per (kV/mm)^2, equation (2).
+    pub a: f64,
+    /// N m per kV/mm, equation (2).
+    pub b: f64,
+    /// Dead time of the field, s.
+    pub dead_time_s: f64,
+    /// First-order lag of the field, s.
+    pub lag_s: f64,
+}
+
+/// Section `[plant]`; units follow the axis.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PlantNominal {
+    /// kg m2 or kg.
+    pub inertia: f64,
+    /// Dry friction level, N m or N.
+    pub coulomb: f64,
+    /// N m s/rad or N s/m.
+    pub viscous: f64,
+    /// Acting over commanded torque, 1.
+    pub torque_gain: f64,
+    /// Added to the acting torque, N m or N.
+    pub torque_offset: f64,
+    /// Largest acting torque either way, N m or N; none for no limit.
+    pub torque_limit: Option<f64>,
+    /// From command to acting torque, s.
+    pub torque_delay_s: f64,
+    /// None for a machine without an ER damper.
+    pub er: Option<ErNominal>,
+}
+
+/// One `[[effects]]` entry of an improved model: an effect of the vocabulary and its parameters.
+#[derive(Debug, Clone, PartialEq)]
+pub struct EffectEntry {
+    /// Identifier of `diagnosis.md`, such as `field_lag`.
+    pub id: String,
+    /// The recording (file name) the entry holds in; none for all.
+    pub recording: Option<String>,
+    /// Parameter identifiers, each with its value in the unit its name ends in.
+    pub parameters: Vec<(String, f64)>,
+}
+
+/// A machine file, checked.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Machine {
+    /// The file it was read from, for messages.
+    pub file: PathBuf,
+    /// Key `name`.
+    pub name: String,
+    /// Section `[axis]`.
+    pub axis: Axis,
+    /// Section `[plant]`.
+    pub plant: PlantNominal,
+    /// Section `[controller]`, values over the defaults of the control library; none where the section is left out.
+    pub controller: Option<er_servo::Config>,
+    /// Entries `[[effects]]`, in file order.
+    pub effects: Vec<EffectEntry>,
+}

@@ -1,0 +1,2 @@
+//! er-servo.
+fn main() {}
