@@ -3,5 +3,6 @@
 #![forbid(unsafe_code)]
 
 mod config;
+pub mod drivers;
 
 pub use config::Config;
