@@ -24,6 +24,7 @@
 extern crate std;
 
 mod config;
+pub mod drivers;
 pub mod experiment;
 mod fault;
 mod frame;
