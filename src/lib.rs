@@ -23,6 +23,7 @@
 #[cfg(test)]
 extern crate std;
 
+pub mod app;
 mod config;
 pub mod drivers;
 pub mod experiment;
