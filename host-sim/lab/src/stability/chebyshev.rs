@@ -21,11 +21,7 @@ impl Chebyshev {
         let end = |k: usize| if k == 0 || k == size - 1 { 2.0 } else { 1.0 };
         let sign = |k: usize| if k % 2 == 0 { 1.0 } else { -1.0 };
         let mut matrix = DMatrix::from_fn(size, size, |i, k| {
-            if i == k {
-                0.0
-            } else {
-                end(i) * sign(i) / (end(k) * sign(k)) / (self.points[i] - self.points[k])
-            }
+            if i == k { 0.0 } else { end(i) * sign(i) / (end(k) * sign(k)) / (self.points[i] - self.points[k]) }
         });
         for i in 0..size {
             // A constant has no derivative: the diagonal is less the sum of the row, which also cancels rounding.

@@ -3,10 +3,14 @@
 //! [`curves`] is the paper's: the boundary in the plane of the gains, here with the count of unstable roots on either
 //! side. [`argument`], [`spectrum`] and [`sampled`] share nothing with it but the equation.
 
+#[cfg(test)]
+mod agreement;
 pub mod argument;
 pub mod case;
 mod chebyshev;
 pub mod curves;
+pub mod limits;
+pub mod region;
 pub mod sampled;
 pub mod spectrum;
 #[cfg(test)]

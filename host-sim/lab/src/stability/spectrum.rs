@@ -105,8 +105,8 @@ fn generator(closed: &Loop, span_s: f64, degree: usize) -> DMatrix<f64> {
     let per_inertia = span_s / plant.inertia_kg_m2;
     let (speed_back, travel_back) = (chebyshev.value_at(-back), chebyshev.integral_from(-back));
     for column in 0..points {
-        matrix[(0, column)] = per_inertia
-            * (gains.k_p_nm_rad * span_s * travel_back[column] - gains.k_d_nm_s_rad * speed_back[column]);
+        matrix[(0, column)] =
+            per_inertia * (gains.k_p_nm_rad * span_s * travel_back[column] - gains.k_d_nm_s_rad * speed_back[column]);
     }
     matrix[(0, 0)] -= per_inertia * plant.q0_nm_s_rad;
     matrix[(0, angle)] = -per_inertia * gains.k_p_nm_rad * span_s;
