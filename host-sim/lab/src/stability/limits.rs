@@ -11,6 +11,9 @@ use std::f64::consts::TAU;
 use super::case::{Fluid, Gains, Loop, LoopError, Plant};
 use super::{curves, zeros::zeros};
 
+/// Largest factor up or down that is looked at.
+const LARGEST: f64 = 1000.0;
+
 /// A quantity that moves while the others stay.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
@@ -91,9 +94,11 @@ pub struct Tolerance {
     pub quantity: Quantity,
     /// As it is, in its unit.
     pub nominal: f64,
-    /// Nearest loss below; none if there is none above zero, or, for an inertia, above a thousandth.
+    /// Nearest loss below; none if there is none down to a thousandth, or, for a delay, to zero. At K_P = 0 itself the
+    /// rotor has no rest position; that is not counted.
     pub lower: Option<Limit>,
-    /// Nearest loss above; none if there is none up to a thousand times the nominal value.
+    /// Nearest loss above; none if there is none up to a thousand times the nominal value (of a fluid without delay,
+    /// of the torque's delay).
     pub upper: Option<Limit>,
 }
 
@@ -143,11 +148,17 @@ pub fn tolerance(closed: &Loop, quantity: Quantity) -> Tolerance {
     let limit = |(value, omega_rad_s): (f64, f64)| Limit { value, factor: value / nominal, omega_rad_s };
     let (mut lower, mut upper) = (None, None);
     // The band in which a root can be on the axis grows with the range searched, so a near limit is cheap.
-    for range in [1.5, 8.0, 60.0, 1000.0] {
+    for range in [1.5, 8.0, 60.0, LARGEST] {
         let reach = [nominal / range, nominal * range].into_iter().filter_map(|v| quantity.set(closed, v).ok());
         let to_rad_s = reach.map(|moved| moved.frequency_bound_rad_s()).fold(closed.frequency_bound_rad_s(), f64::max);
+        // Delays bound nothing: all their values are found at once.
         let whole = matches!(quantity, Quantity::TorqueDelay | Quantity::FluidDelay);
-        let within = |v: f64| whole || (nominal / range <= v && v <= nominal * range);
+        let (least, most) = match (whole, nominal > 0.0) {
+            (false, _) => (nominal / range, nominal * range),
+            (true, true) => (0.0, nominal * LARGEST),
+            (true, false) => (0.0, closed.plant().torque_delay_s * LARGEST),
+        };
+        let within = |v: f64| least <= v && v <= most;
         let values: Vec<_> =
             values_on_axis(closed, quantity, to_rad_s).into_iter().filter(|&(v, _)| v > 0.0 && within(v)).collect();
         let nearest = |a: &(f64, f64), b: &(f64, f64)| a.0.total_cmp(&b.0);
