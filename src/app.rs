@@ -1,0 +1,206 @@
+//! The application loop of the firmware over embedded-hal: the image runs it on its pins, host-sim on the plant's chips.
+
+use embedded_hal::delay::DelayNs;
+use embedded_hal::digital::{InputPin, OutputPin};
+use embedded_hal::spi::SpiDevice;
+
+use crate::drivers::ad2s1210::{self, Ad2s1210, SAMPLE_TO_READ_NS, Settings};
+use crate::drivers::dac::{self, Dac};
+use crate::drivers::scaling::{FieldCode, TorqueCode};
+use crate::{
+    Counts, Faults, Frame, InputFlags, Inputs, Mode, MonitorCode, Outputs, Params, Request, ResolverCode,
+    ResolverSample, State, Supervisor, Timing, step,
+};
+
+/// The monitor of the field that really acts.
+pub trait FieldMonitor {
+    /// The last conversion; must not wait.
+    fn read(&mut self) -> MonitorCode;
+}
+
+/// Everything the drive is wired to. Input pins are fail-safe: a broken wire reads low, which is interlock open and stop
+/// pressed.
+#[derive(Debug)]
+pub struct Wiring<ResolverSpi, ResolverPin, DacSpi, DacPin, Input, Output, Monitor, Delay> {
+    /// Resolver converter.
+    pub resolver: Ad2s1210<ResolverSpi, ResolverPin, ResolverPin, ResolverPin, ResolverPin>,
+    /// Torque and field commands.
+    pub dac: Dac<DacSpi, DacPin, DacPin>,
+    /// High: the high-voltage interlock is closed.
+    pub interlock_closed: Input,
+    /// High: the emergency stop is released.
+    pub stop_released: Input,
+    /// High: the high-voltage supply may be on.
+    pub hv_enable: Output,
+    /// High: a fault is latched.
+    pub fault_lamp: Output,
+    /// High: the damper is used as a brake.
+    pub brake_feedback: Output,
+    /// Field monitor.
+    pub monitor: Monitor,
+    /// Short waits.
+    pub delay: Delay,
+}
+
+/// What the user, the link and the watch over the interrupt want of one tick.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Orders {
+    /// Asked of the supervisor.
+    pub request: Request,
+    /// Reference position.
+    pub reference: Counts,
+    /// The reference comes from the link, so that its silence is a fault.
+    pub reference_from_link: bool,
+    /// The link has been heard of recently.
+    pub link_alive: bool,
+    /// Faults found outside the law: overrun, abnormal reset, refused parameters.
+    pub reported: Faults,
+    /// Frames the log lost so far.
+    pub lost: u16,
+}
+
+/// Why the chips did not come up.
+#[derive(Debug, PartialEq, Eq)]
+pub enum InitError<R, D> {
+    /// The resolver converter.
+    Resolver(ad2s1210::Error<R>),
+    /// The command DAC.
+    Dac(dac::Error<D>),
+}
+
+/// The servo: wiring, parameters, state of the law.
+#[derive(Debug)]
+pub struct Servo<W> {
+    wiring: W,
+    params: Params,
+    state: State,
+    seq: u32,
+    hardware_faults: Faults,
+}
+
+impl<RS, RP, DS, DP, I, O, M, D> Servo<Wiring<RS, RP, DS, DP, I, O, M, D>>
+where
+    RS: SpiDevice,
+    RP: OutputPin,
+    DS: SpiDevice,
+    DP: OutputPin,
+    I: InputPin,
+    O: OutputPin,
+    M: FieldMonitor,
+    D: DelayNs,
+{
+    /// Takes wiring and parameters; touches nothing before [`Self::init`].
+    pub fn new(wiring: Wiring<RS, RP, DS, DP, I, O, M, D>, params: Params) -> Self {
+        let hardware_faults = Faults::RESOLVER_BUS | Faults::OUTPUT_BUS;
+        Self { wiring, params, state: State::default(), seq: 0, hardware_faults }
+    }
+
+    /// Brings both chips up with their outputs at 0, in thread mode and with ticks stopped; takes about 45 ms. Called at
+    /// reset and before a fault of the hardware is cleared.
+    ///
+    /// # Errors
+    /// The first chip that does not come up. The drive can tick on: the fault is reported to the law at every tick.
+    pub fn init(&mut self) -> Result<(), InitError<RS::Error, DS::Error>> {
+        self.hardware_faults = Faults::RESOLVER_BUS | Faults::OUTPUT_BUS;
+        let wiring = &mut self.wiring;
+        wiring.dac.init(&mut wiring.delay).map_err(InitError::Dac)?;
+        self.hardware_faults.remove(Faults::OUTPUT_BUS);
+        wiring.resolver.init(&Settings::default(), &mut wiring.delay).map_err(InitError::Resolver)?;
+        self.hardware_faults.remove(Faults::RESOLVER_BUS);
+        Ok(())
+    }
+
+    /// One tick, in the interrupt: read, one [`step`], write. A command that cannot be written is a fault in this very
+    /// tick: outputs are cleared by pin and high voltage is disabled; the law latches it in the next.
+    pub fn tick(&mut self, orders: &Orders) -> Frame {
+        let inputs = self.read(orders);
+        let outputs = step(&self.params, &mut self.state, &inputs);
+        if self.write(&outputs).is_err() {
+            self.hardware_faults |= Faults::OUTPUT_BUS;
+            self.hv_off();
+        }
+        let frame = Frame { seq: self.seq, lost: orders.lost, inputs, outputs, timing: Timing::default() };
+        self.seq = self.seq.wrapping_add(1);
+        frame
+    }
+
+    /// Everything off by pins alone, for panics and hard faults; needs no bus and no sound memory beyond the pins.
+    pub fn emergency_off(&mut self) {
+        self.hv_off();
+        // Nothing is left to do about a pin that fails here; the high voltage is disabled by another.
+        let _ = self.wiring.dac.clear();
+    }
+
+    /// Replaces the parameters, between two ticks. Refused while running: a gain that changes under load is a step of
+    /// torque.
+    ///
+    /// # Errors
+    /// The state the drive is in.
+    pub fn set_params(&mut self, params: Params) -> Result<(), Supervisor> {
+        match self.state.supervisor() {
+            Supervisor::Running => Err(Supervisor::Running),
+            _ => {
+                self.params = params;
+                Ok(())
+            }
+        }
+    }
+
+    /// State of the law, for the snapshot a recording begins with.
+    pub fn state(&self) -> &State {
+        &self.state
+    }
+
+    fn read(&mut self, orders: &Orders) -> Inputs {
+        let wiring = &mut self.wiring;
+        let mut flags = InputFlags::empty();
+        let latched = wiring.resolver.latch();
+        wiring.delay.delay_ns(SAMPLE_TO_READ_NS);
+        // A pin that cannot be read counts as open or pressed.
+        flags.set(InputFlags::INTERLOCK_CLOSED, wiring.interlock_closed.is_high().unwrap_or(false));
+        flags.set(InputFlags::STOP_PRESSED, !wiring.stop_released.is_high().unwrap_or(false));
+        flags.set(InputFlags::LINK_ALIVE, orders.link_alive);
+        flags.set(InputFlags::REFERENCE_FROM_LINK, orders.reference_from_link);
+        let resolver = match latched.and_then(|()| wiring.resolver.read()) {
+            Ok(reading) => ResolverSample {
+                code: ResolverCode(reading.counts),
+                fault_byte: reading.faults.bits(),
+                speed_rad_s: 0.0,
+            },
+            Err(_) => {
+                flags |= InputFlags::RESOLVER_UNREAD;
+                ResolverSample::default()
+            }
+        };
+        Inputs {
+            resolver,
+            flags,
+            reference: orders.reference,
+            request: orders.request,
+            field_monitor: wiring.monitor.read(),
+            reported: orders.reported | self.hardware_faults,
+        }
+    }
+
+    fn write(&mut self, outputs: &Outputs) -> Result<(), ()> {
+        let wiring = &mut self.wiring;
+        let torque = TorqueCode::from_torque_nm(outputs.torque_nm);
+        let field = FieldCode::from_field_kv_mm(outputs.field_kv_mm);
+        let hv = wiring.hv_enable.set_state(outputs.hv_enable.into()).map_err(|_| ());
+        // A DAC that failed stays cleared by its pin until `init`; writing to it again would not help.
+        let commands = if self.hardware_faults.contains(Faults::OUTPUT_BUS) {
+            Ok(())
+        } else {
+            wiring.dac.write(torque, field).map_err(|_| ())
+        };
+        let faulted = matches!(outputs.supervisor, Supervisor::Fault { .. });
+        // Lamps: a failed one is no reason to stop.
+        let _ = wiring.fault_lamp.set_state(faulted.into());
+        let _ = wiring.brake_feedback.set_state((outputs.mode == Mode::Brake).into());
+        hv.and(commands)
+    }
+
+    fn hv_off(&mut self) {
+        let _ = self.wiring.hv_enable.set_low();
+    }
+}

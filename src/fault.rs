@@ -1,0 +1,85 @@
+//! Faults, which stop the drive, kept apart from limits, which only bound a command.
+
+use bitflags::bitflags;
+
+bitflags! {
+    /// What put the drive into its safe state. Any bit means torque 0, field 0, high voltage disabled, until cleared.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+    pub struct Faults: u16 {
+        /// The resolver converter reports a fault; its own byte says which.
+        const RESOLVER_CHIP = 1 << 0;
+        /// The resolver could not be read (SPI error or parity).
+        const RESOLVER_BUS = 1 << 1;
+        /// Two readings lie further apart than the machine can move in a tick.
+        const RESOLVER_JUMP = 1 << 2;
+        /// The counts stand still under a torque that must move the rotor: frozen resolver, or a jammed axis.
+        const RESOLVER_STALE = 1 << 3;
+        /// The high-voltage interlock opened while running.
+        const INTERLOCK_OPEN = 1 << 4;
+        /// The emergency stop was pressed while running.
+        const STOP_PRESSED = 1 << 5;
+        /// The command link fell silent while the reference came from it.
+        const LINK_LOST = 1 << 6;
+        /// A tick began late or took too long.
+        const TICK_OVERRUN = 1 << 7;
+        /// The parameters in memory are not those that were checked.
+        const PARAMETERS = 1 << 8;
+        /// The monitor saw more field than the trip level.
+        const FIELD_OVER = 1 << 9;
+        /// A value of the law was not a number.
+        const NOT_FINITE = 1 << 10;
+        /// A command could not be written to the DAC.
+        const OUTPUT_BUS = 1 << 11;
+        /// The last reset came from the watchdog or from a panic.
+        const ABNORMAL_RESET = 1 << 12;
+    }
+}
+
+bitflags! {
+    /// What bounded or refused a command in this tick, without stopping the drive.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+    pub struct Limits: u16 {
+        /// Torque held at the positive limit.
+        const TORQUE_ABOVE = 1 << 0;
+        /// Torque held at the negative limit.
+        const TORQUE_BELOW = 1 << 1;
+        /// Field held at its limit.
+        const FIELD_ABOVE = 1 << 2;
+        /// The error does not fit its counter and was held at the end of the range.
+        const ERROR_RANGE = 1 << 3;
+        /// Field off because the speed is over `off_speed_rad_s`.
+        const OVER_OFF_SPEED = 1 << 4;
+        /// Enable refused: not ready, interlock open or stop pressed.
+        const ENABLE_REFUSED = 1 << 5;
+        /// Clear refused: a cause is still there, or there is no fault.
+        const CLEAR_REFUSED = 1 << 6;
+    }
+}
+
+impl Faults {
+    /// Faults after which the count of pole pairs can no longer be trusted.
+    pub(crate) const LOSES_POSITION: Self =
+        Self::RESOLVER_CHIP.union(Self::RESOLVER_BUS).union(Self::RESOLVER_JUMP).union(Self::RESOLVER_STALE);
+
+    /// One sentence for each set bit: what it means and how it is cleared.
+    pub fn explain(self) -> impl Iterator<Item = &'static str> {
+        self.iter().map(|fault| match fault {
+            Self::RESOLVER_CHIP => "resolver converter reports a fault: check excitation and wiring, then clear",
+            Self::RESOLVER_BUS => "resolver could not be read: check SPI1, then clear",
+            Self::RESOLVER_JUMP => "resolver counts jumped: check shielding, home the axis, then clear",
+            Self::RESOLVER_STALE => {
+                "counts stand still under torque: free the axis or replace the resolver, then clear"
+            }
+            Self::INTERLOCK_OPEN => "high-voltage interlock opened: close it, then clear",
+            Self::STOP_PRESSED => "emergency stop pressed: release it, then clear",
+            Self::LINK_LOST => "command link lost: reconnect, then clear",
+            Self::TICK_OVERRUN => "a control tick overran: read the cycle counts, then clear",
+            Self::PARAMETERS => "parameters damaged or out of range: write a full set, then clear",
+            Self::FIELD_OVER => "field over the trip level: check the high-voltage amplifier, then clear",
+            Self::NOT_FINITE => "a value was not a number: save the log, reset",
+            Self::OUTPUT_BUS => "DAC could not be written: check SPI2, then clear",
+            Self::ABNORMAL_RESET => "the watchdog or a panic reset the drive: save the log, then clear",
+            _ => "unknown fault bit: the log is newer than this tool",
+        })
+    }
+}
