@@ -9,6 +9,7 @@ pub mod argument;
 pub mod case;
 mod chebyshev;
 pub mod curves;
+pub mod describing;
 pub mod limits;
 pub mod region;
 pub mod sampled;
