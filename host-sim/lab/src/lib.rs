@@ -5,7 +5,11 @@
 
 pub mod cli;
 pub mod error;
+pub mod output;
+pub mod plot;
 pub mod read;
-pub mod stability;
+pub mod replay;
+pub mod residual;
+pub mod simulate;
 
 pub use error::Error;
