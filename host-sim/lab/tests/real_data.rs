@@ -54,7 +54,10 @@ fn jittered_sampling_reads_with_few_gaps_and_only_at_long_steps() {
         println!("{}: {} gaps in {} steps", recording.name, recording.gaps.len(), steps.len());
         assert!(recording.gaps.len() * 500 <= steps.len(), "{}: {}", recording.name, recording.gaps.len());
         for gap in recording.gaps {
-            assert!(steps[gap] > 1.45 * 2.26e-3, "{}: {}", recording.name, steps[gap]);
+            // The rate itself changes from 2.3 to 1.5 ms and back, so what is long shows beside its neighbours only.
+            let mut around = steps[gap.saturating_sub(15)..(gap + 16).min(steps.len())].to_vec();
+            around.sort_by(f64::total_cmp);
+            assert!(steps[gap] > 1.5 * around[around.len() / 2 - 1], "{}: {}", recording.name, steps[gap]);
         }
     }
 }
