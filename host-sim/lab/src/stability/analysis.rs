@@ -92,7 +92,7 @@ pub struct Setting {
     pub field_delay_s: f64,
     /// Dry friction for the limit cycles, N m.
     pub coulomb_nm: f64,
-    /// Parameters of the law for the limit cycles, and the control period.
+    /// Parameters of the law for the limit cycles.
     pub control: Config,
 }
 
@@ -121,7 +121,7 @@ pub fn analyse(closed: &Loop, setting: &Setting) -> Result<(Analysis, Vec<Region
         gains: closed.gains(),
         normalised_gains: closed.normalised_gains(),
         inside: curves::is_inside(closed),
-        methods: methods(closed, f64::from(setting.control.period_s))?,
+        methods: methods(closed, sampled::PERIOD_S)?,
         margins: margins(closed),
         tolerances: tolerances(closed),
         area: own,
