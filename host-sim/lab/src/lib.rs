@@ -9,7 +9,9 @@ pub mod output;
 pub mod plot;
 pub mod read;
 pub mod replay;
+pub mod report;
 pub mod residual;
 pub mod simulate;
+pub mod stability;
 
 pub use error::Error;

@@ -5,6 +5,7 @@ mod demo;
 mod machine;
 mod replay;
 mod simulate;
+mod stability;
 
 use crate::Error;
 
@@ -24,6 +25,8 @@ enum Command {
     Replay(replay::Args),
     /// Drive the nominal model with the recorded commands; show where the position disagrees.
     Compare(compare::Args),
+    /// Stability of the linear loop by four methods: margins, limits, area, picture.
+    Stability(stability::StabilityArgs),
     /// Do the main job on embedded data: loop, recording with something left out of the model, comparison.
     Demo(demo::Args),
 }
@@ -38,6 +41,7 @@ impl Cli {
             Command::Simulate(args) => simulate::run(args),
             Command::Replay(args) => replay::run(args),
             Command::Compare(args) => compare::run(args),
+            Command::Stability(args) => stability::run(args),
             Command::Demo(args) => demo::run(args),
         }
     }
