@@ -30,6 +30,7 @@ pub mod experiment;
 mod fault;
 mod frame;
 mod law;
+pub mod link;
 mod maths;
 pub mod parameters;
 mod snapshot;
