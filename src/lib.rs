@@ -35,6 +35,7 @@ mod maths;
 pub mod parameters;
 mod snapshot;
 mod step;
+pub mod storage;
 mod units;
 
 pub use config::{Config, ConfigError, Params};
