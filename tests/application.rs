@@ -37,13 +37,15 @@ fn assert_safe(bench: &Bench, frame: &Frame, fault: Faults, why: &str) {
     assert!(!bench.hv_enable.level() && bench.fault_lamp.level(), "{why}");
 }
 
+/// The step of the paper, 30 degrees.
+const STEP_RAD: f64 = core::f64::consts::FRAC_PI_6;
 /// The error friction can hold, c/K_P, with 10 % for the flicker of the estimate.
 const HELD_RAD: f64 = 1.1 * 0.763 / 240.0;
 
 #[test]
 fn steps_and_reversals_settle_within_what_friction_holds() {
     let mut bench = running();
-    for angle_rad in [0.5236, 0.0, -1.2, 1.57, 0.01] {
+    for angle_rad in [STEP_RAD, 0.0, -1.2, 1.5, 0.01] {
         // The last of the way is a creep through the damper, with a time constant of Q(0)/K_P = 0.23 s.
         let frames = run(&mut bench, &to(angle_rad), 3000);
         let error = angle_rad - bench.truth().position;
@@ -57,7 +59,7 @@ fn every_tick_of_a_step_follows_the_angle_to_the_count() {
     let mut bench = running();
     for _ in 0..600 {
         let truth = bench.truth().position;
-        let frame = bench.tick(&to(0.5236)).unwrap();
+        let frame = bench.tick(&to(STEP_RAD)).unwrap();
         let counts = f64::from(frame.outputs.position.0);
         assert!((counts - truth / f64::from(RAD_PER_COUNT)).abs() <= 1.0, "{counts} counts at {truth} rad");
     }
@@ -89,11 +91,11 @@ fn the_brake_halves_what_a_push_does() {
 fn every_mode_is_entered_and_left() {
     let mut bench = running();
     bench.tick(&to(0.0)).unwrap();
-    let mut seen = run(&mut bench, &to(0.5236), 800);
+    let mut seen = run(&mut bench, &to(STEP_RAD), 800);
     bench.external_torque_nm = 8.0;
-    seen.extend(run(&mut bench, &to(0.5236), 100));
+    seen.extend(run(&mut bench, &to(STEP_RAD), 100));
     bench.external_torque_nm = 0.0;
-    seen.extend(run(&mut bench, &to(0.5236), 300));
+    seen.extend(run(&mut bench, &to(STEP_RAD), 300));
     let changes: Vec<(Mode, Mode)> =
         seen.windows(2).map(|pair| (pair[0].outputs.mode, pair[1].outputs.mode)).filter(|(a, b)| a != b).collect();
     let (off, damper, brake) = (Mode::Off, Mode::Damper, Mode::Brake);
@@ -116,16 +118,16 @@ fn every_fault_of_the_resolver_is_safe_in_the_tick_it_shows() {
     ];
     for (why, inject, fault) in cases {
         let mut bench = running();
-        run(&mut bench, &to(0.5236), 60);
+        run(&mut bench, &to(STEP_RAD), 60);
         inject(&mut bench);
-        let frame = bench.tick(&to(0.5236)).unwrap();
+        let frame = bench.tick(&to(STEP_RAD)).unwrap();
         assert_safe(&bench, &frame, fault, why);
     }
     for bit in 0..8 {
         let mut bench = running();
-        run(&mut bench, &to(0.5236), 60);
+        run(&mut bench, &to(STEP_RAD), 60);
         bench.resolver.with(|chip| chip.raise_faults(1 << bit));
-        let frame = bench.tick(&to(0.5236)).unwrap();
+        let frame = bench.tick(&to(STEP_RAD)).unwrap();
         assert_safe(&bench, &frame, Faults::RESOLVER_CHIP, &format!("fault bit {bit}"));
     }
 }
@@ -134,27 +136,27 @@ fn every_fault_of_the_resolver_is_safe_in_the_tick_it_shows() {
 fn a_bus_stuck_low_or_a_frozen_resolver_is_found_when_it_matters() {
     // Stuck low reads as code 0 without fault: a jump unless the rotor happens to be there.
     let mut bench = running();
-    run(&mut bench, &to(0.5236), 60);
+    run(&mut bench, &to(STEP_RAD), 60);
     bench.resolver.with(|chip| chip.set_bus_fault(BusFault::AllZeros, 1));
-    let frame = bench.tick(&to(0.5236)).unwrap();
+    let frame = bench.tick(&to(STEP_RAD)).unwrap();
     assert_safe(&bench, &frame, Faults::RESOLVER_JUMP, "all zeros");
     // Frozen in motion: the counts stop at once, which is a change of speed no torque can make.
     let mut bench = running();
-    run(&mut bench, &to(0.5236), 60);
+    run(&mut bench, &to(STEP_RAD), 60);
     bench.resolver.with(|chip| chip.freeze(true));
-    let frame = bench.tick(&to(0.5236)).unwrap();
+    let frame = bench.tick(&to(STEP_RAD)).unwrap();
     assert_safe(&bench, &frame, Faults::RESOLVER_JUMP, "frozen in motion");
     // Frozen at rest: harmless until torque asks for motion, then found within 20 ms of torque.
     let mut bench = running();
     bench.resolver.with(|chip| chip.freeze(true));
     run(&mut bench, &to(0.0), 400);
-    let frames = run(&mut bench, &to(0.5236), 42);
+    let frames = run(&mut bench, &to(STEP_RAD), 42);
     assert_safe(&bench, frames.last().unwrap(), Faults::RESOLVER_STALE, "frozen at rest");
 }
 
 #[test]
 fn every_other_cause_is_safe_in_the_tick_it_shows() {
-    let step = to(0.5236);
+    let step = to(STEP_RAD);
     let reported = Orders { reported: Faults::TICK_OVERRUN, ..step };
     let silent = Orders { reference_from_link: true, ..step };
     type Injection = fn(&mut Bench);
@@ -178,11 +180,11 @@ fn every_other_cause_is_safe_in_the_tick_it_shows() {
 #[test]
 fn a_dac_that_cannot_be_written_is_cleared_by_its_pin_in_the_same_tick() {
     let mut bench = running();
-    run(&mut bench, &to(0.5236), 60);
+    run(&mut bench, &to(STEP_RAD), 60);
     bench.dac.fail_spi(Some(embedded_hal::spi::ErrorKind::Other));
-    bench.tick(&to(0.5236)).unwrap();
+    bench.tick(&to(STEP_RAD)).unwrap();
     assert_eq!(bench.acting(), (0.0, 0.0));
-    let frame = bench.tick(&to(0.5236)).unwrap();
+    let frame = bench.tick(&to(STEP_RAD)).unwrap();
     assert_safe(&bench, &frame, Faults::OUTPUT_BUS, "DAC");
 }
 
