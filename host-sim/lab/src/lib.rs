@@ -5,6 +5,7 @@
 
 pub mod cli;
 pub mod error;
+pub mod output;
 pub mod read;
 
 pub use error::Error;

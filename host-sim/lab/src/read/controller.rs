@@ -23,3 +23,8 @@ pub(super) fn controller_config(section: &Section<'_, '_>, pairs: &[Pair]) -> Re
     }
     Ok(config)
 }
+
+/// Every key of the section with the value it has in `config`.
+pub(super) fn controller_pairs(config: &er_servo::Config) -> Vec<(&'static str, Setting)> {
+    vec![("kp_nm_rad", Setting::Number(config.kp_nm_rad.into()))]
+}
