@@ -23,13 +23,13 @@
 
 mod actuation;
 mod command;
+pub mod effects;
 mod error;
 mod mechanics;
 mod model;
 mod plant;
+pub mod sensor;
 mod timeline;
-
-
 
 pub use actuation::{Segment, Signal};
 pub use command::Command;

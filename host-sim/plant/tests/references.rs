@@ -136,7 +136,10 @@ fn open_loop_follows_every_reference_from_the_start_and_from_the_middle() {
         mechanics.simulate(&timeline, 0.0, State::default(), &times_s, &mut positions).unwrap();
         let mut plant = Plant::new(&model, State::default(), 0.0).unwrap();
         for (position, (command, t_s)) in positions.iter().zip(commands.iter().zip(times_s.iter().skip(1))) {
-            assert!((position - plant.state().position).abs() < 1e-13, "{name}: open and closed loop differ at {t_s} s");
+            assert!(
+                (position - plant.state().position).abs() < 1e-13,
+                "{name}: open and closed loop differ at {t_s} s"
+            );
             plant.advance(command, *t_s).unwrap();
         }
         for start in (0..rows.len() - 100).step_by(371) {
