@@ -81,7 +81,8 @@ impl Fluid {
                 if command.braking {
                     (0.0, torque)
                 } else {
-                    (torque / command.speed_estimate.abs().max(LEAST_SPEED_ESTIMATE), 0.0)
+                    let recovered = torque / command.speed_estimate.abs().max(LEAST_SPEED_ESTIMATE);
+                    (command.viscosity.map_or(recovered, |viscosity| viscosity.max(0.0)), 0.0)
                 }
             }
         }
