@@ -48,10 +48,10 @@ pub struct StabilityArgs {
     #[arg(long, value_name = "MS", default_value_t = 5.0)]
     field_delay_ms: f64,
     /// Normalised gain K_p* = K_P L^2 / J [default: 0.08]
-    #[arg(long)]
+    #[arg(long, allow_hyphen_values = true)]
     kp: Option<f64>,
     /// Normalised gain K_d* = K_D L / J [default: 0.464]
-    #[arg(long)]
+    #[arg(long, allow_hyphen_values = true)]
     kd: Option<f64>,
     /// Inertia, kg m2 [default: 0.075]
     #[arg(long, value_name = "KG_M2")]
