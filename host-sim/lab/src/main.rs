@@ -1,15 +1,14 @@
-//! servo-lab.
+//! `servo-lab`: simulate, replay, compare and diagnose recordings of the servo.
 
 use std::process::ExitCode;
 
 use clap::Parser;
-use lab::cli::Cli;
 
 fn main() -> ExitCode {
-    match Cli::parse().run() {
+    match lab::cli::Cli::parse().run() {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("servo-lab: {error}");
+            eprintln!("error: {error}");
             ExitCode::from(error.exit_code())
         }
     }
