@@ -72,6 +72,8 @@ struct Piece {
 
 /// Phase of the fastest term from one point of the drawn curve to the next, rad.
 const PHASE_STEP_RAD: f64 = 0.004;
+/// Points of the longest curve that is cut into a region; a hundred turns or so.
+const MAX_POINTS: f64 = 2e5;
 /// Distance at which the faces beside a piece are asked for their roots, as a share of the window; a chord of the curve
 /// is within a tenth of it.
 const ASIDE: f64 = 5e-5;
@@ -106,6 +108,10 @@ fn curve(plant: &Plant, window: Window) -> Result<Vec<Point>, LoopError> {
     let corner = normalised(window.kp, window.kd).physical(plant.inertia_kg_m2, plant.torque_delay_s);
     let to_rad_s = Loop::new(*plant, corner)?.frequency_bound_rad_s();
     let step_rad_s = PHASE_STEP_RAD / (plant.torque_delay_s + plant.fluid.delay_s());
+    if to_rad_s / step_rad_s > MAX_POINTS {
+        let turns = to_rad_s / step_rad_s * PHASE_STEP_RAD / std::f64::consts::TAU;
+        return Err(LoopError::TooStiff(format!("the boundary curve turns {turns:.0} times within the window")));
+    }
     let scan = Scan { from_rad_s: 1e-3 * step_rad_s, to_rad_s, step_rad_s };
     Ok(scan.frequencies().map(|w| point(plant, curves::boundary(plant, w))).collect())
 }

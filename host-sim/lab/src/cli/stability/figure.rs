@@ -50,7 +50,12 @@ pub(super) fn draw(analysis: &Analysis, regions: &[Region]) -> Result<String, Bo
             .draw_series([Circle::new(point, 5, BLACK.filled())])?
             .label(format!("gains ({:.4}, {:.4})", point.0, point.1))
             .legend(|(x, y)| Circle::new((x + 9, y), 4, BLACK.filled()));
-        chart.configure_series_labels().border_style(BLACK).background_style(WHITE).draw()?;
+        chart
+            .configure_series_labels()
+            .position(SeriesLabelPosition::UpperRight)
+            .border_style(BLACK)
+            .background_style(WHITE)
+            .draw()?;
         area.present()?;
     }
     Ok(svg)
