@@ -199,6 +199,7 @@ impl Bench {
             braking: frame.outputs.mode == Mode::Brake,
             speed_estimate: f64::from(frame.outputs.speed_rad_s),
             external_torque: self.external_torque_nm,
+            ..Command::default()
         };
         self.ticks += 1;
         self.plant.advance(&command, f64::from(self.ticks) * self.period_s)?;

@@ -62,7 +62,7 @@ impl MachineArgs {
         };
         if let Some(fluid) = self.fluid {
             let (a, b) = model.er.as_ref().map_or((0.0704, 0.470), |er| (er.a, er.b));
-            model.er = Some(Er { a, b, response: self.response(fluid, a, b)? });
+            model.er = Some(Er { response: self.response(fluid, a, b)?, ..Er::new(a, b, 0.0, 0.0) });
         }
         if let Some(delay_ms) = self.drive_delay_ms {
             model.torque_delay_s = delay_ms * 1e-3;
