@@ -16,12 +16,14 @@
 
 mod damper;
 mod models;
+mod simulated;
 
 use nalgebra::Complex;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 pub use damper::{Damper, DamperDelay, Swing, TorqueHarmonic};
 pub use models::{MODELS, ModelCycles, cycles_by_model};
+pub use simulated::remaining_amplitude_rad;
 
 use super::case::Gains;
 
