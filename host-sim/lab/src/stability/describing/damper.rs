@@ -79,7 +79,7 @@ pub struct Damper {
 }
 
 /// Samples over half a swing; the other half repeats them.
-const SAMPLES: usize = 512;
+const SAMPLES: usize = 256;
 
 /// What the law commands at one instant.
 #[derive(Debug, Clone, Copy, Default)]
