@@ -24,11 +24,11 @@ fn replay(c: &mut Criterion) {
         let mechanics = Mechanics::new(&model).unwrap();
         let mut plant = Plant::new(&model, State::default(), 0.0).unwrap();
         let mut starts = Vec::new();
-        for tick in 0..TICKS {
+        for (tick, command) in commands.iter().enumerate() {
             if tick % WINDOW == 0 {
                 starts.push(*plant.state());
             }
-            plant.advance(&commands[tick], (tick + 1) as f64 * TICK_S).unwrap();
+            plant.advance(command, (tick + 1) as f64 * TICK_S).unwrap();
         }
         group.bench_function(name, |b| {
             b.iter(|| {
