@@ -63,6 +63,12 @@ impl Plant {
         &self.state
     }
 
+    /// The position with the eccentricity of the sensor, rad (m): what a [`crate::sensor::Sampler`] measures. Latency is
+    /// added by a [`crate::sensor::LatencyLine`].
+    pub fn position_at_sensor(&self) -> f64 {
+        self.mechanics.sensor().distorted(self.state.position)
+    }
+
     /// Puts the mechanics elsewhere; commands under way stay under way.
     pub fn set_state(&mut self, state: State) {
         self.state = state.with_motion();

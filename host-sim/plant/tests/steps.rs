@@ -9,7 +9,7 @@ use plant::{Command, Mechanics, State, Timeline};
 #[test]
 fn half_the_step_changes_nothing() {
     let mut worst = Vec::new();
-    for (name, model) in every_effect() {
+    for (name, model) in every_effect().into_iter().chain(common::combinations()) {
         let whole = run(&model, 2000, 1);
         let (halves, sevenths) = (distance(&whole, &run(&model, 2000, 2)), distance(&whole, &run(&model, 2000, 7)));
         println!("{name}: half step {halves:.1e} rad, a seventh {sevenths:.1e} rad; moved {:.3}", whole[1999].position);

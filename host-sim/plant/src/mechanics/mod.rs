@@ -43,6 +43,11 @@ impl Mechanics {
         Ok(Self { path, sensor: model.sensor.clone() })
     }
 
+    /// The systematic part of the sensor.
+    pub fn sensor(&self) -> &SensorModel {
+        &self.sensor
+    }
+
     /// Moves `state` through `segment` from `from_s` to `to_s`, absolute times within it.
     #[inline]
     pub(crate) fn run(&self, segment: &Segment, from_s: f64, to_s: f64, state: &mut State) {

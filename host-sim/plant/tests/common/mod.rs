@@ -71,6 +71,41 @@ pub fn every_effect() -> Vec<(&'static str, Model)> {
     ]
 }
 
+/// Several effects at once, so that their events meet in one segment.
+pub fn combinations() -> Vec<(&'static str, Model)> {
+    let harmonic = Harmonic { amplitude: 0.2, order: 24.0, phase_rad: 0.4 };
+    let shaft = Shaft { resonance_hz: 80.0, damping_ratio: 0.05, inertia_ratio: 0.3, gap: 0.001 };
+    let stribeck = Some(Stribeck { excess: 0.3, velocity: 0.05 });
+    let slow = |er: &mut Er| {
+        er.response = FluidResponse::Field(FieldResponse {
+            dead_time_s: 0.0013,
+            slew_kv_mm_s: Some(80.0),
+            rise_s: 0.002,
+            fall_s: 0.004,
+        });
+        (er.drift_per_s, er.preyield_stiffness) = (0.05, Some(150.0));
+    };
+    let lag = FluidResponse::ViscosityLag { lag_s: 0.004, torque_limit: 2.5 };
+    vec![
+        (
+            "dry",
+            Model {
+                stribeck,
+                asymmetry: Asymmetry { coulomb: 0.2, viscous: 0.0 },
+                torque_lag_s: 0.001,
+                cogging: vec![harmonic],
+                gravity: Some(Gravity { amplitude: 0.5, phase_rad: 0.2 }),
+                vibration: Some(Vibration { frequency_hz: 21.0, amplitude: 0.5, phase_rad: 0.0 }),
+                ..fluid(slow)
+            },
+        ),
+        ("bristles", Model { presliding_stiffness: Some(300.0), stribeck, cogging: vec![harmonic], ..fluid(slow) }),
+        ("loose load", Model { shaft: Some(shaft), stribeck, cogging: vec![harmonic], ..fluid(slow) }),
+        ("loose load on bristles", Model { shaft: Some(shaft), presliding_stiffness: Some(300.0), ..fluid(slow) }),
+        ("viscosity behind a gap", Model { shaft: Some(shaft), torque_lag_s: 0.001, ..with_response(lag) }),
+    ]
+}
+
 /// Torques and fields that start, stop, reverse and stick the rotor, with steps of the field.
 pub fn command(tick: usize) -> Command {
     let t_s = tick as f64 * TICK_S;
