@@ -6,6 +6,8 @@
 pub mod cli;
 pub mod error;
 pub mod output;
+pub mod plot;
+pub mod progress;
 pub mod read;
 
 pub use error::Error;
