@@ -1,7 +1,7 @@
 //! Figures: small however long the recording, the same bytes each time, text as text.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use lab::plot::{Figure, Panel};
+use lab::plot::{Figure, Mark, Panel, Series};
 use rand::rngs::StdRng;
 use rand::{Rng, SeedableRng};
 
@@ -12,11 +12,24 @@ fn busy_figure(rows: usize) -> Figure {
     let held: Vec<f64> = t_s.iter().map(|t| (3.0 * t).sin().signum()).collect();
     let mut broken = noise.clone();
     broken[rows / 3..rows / 2].fill(f64::NAN);
-    Figure::new("A title with <, & and µ", "time", "s")
-        .panel(Panel::new("position", "rad").line("measured", &t_s, &noise).line("model", &t_s, &broken))
-        .panel(Panel::new("torque", "N m").step("commanded", &t_s, &held))
-        .panel(Panel::new("residual", "rad").scatter("", &t_s, &noise).scatter("held-out", &noise, &t_s))
-        .panel(Panel::new("orbit", "").line("", &noise, &held).scatter("none", &[], &[]))
+    let series = |name, mark, x: &[f64], y: &[f64]| Series::new(name, mark, x.iter().copied().zip(y.iter().copied()));
+    let position = vec![series("measured", Mark::Line, &t_s, &noise), series("model", Mark::Line, &t_s, &broken)];
+    let torque = vec![series("commanded", Mark::Step, &t_s, &held)];
+    let clouds = vec![series("", Mark::Points, &t_s, &noise), series("held-out", Mark::Points, &noise, &t_s)];
+    let orbit = vec![series("", Mark::Line, &noise, &held), series("none", Mark::Points, &[], &[])];
+    figure(
+        "A title with <, & and µ",
+        vec![
+            Panel::new("time (s)", "position (rad)", position),
+            Panel::new("time (s)", "torque (N m)", torque),
+            Panel::new("residual (rad)", "count (1)", clouds),
+            Panel::new("orbit (rad)", "speed (rad/s)", orbit),
+        ],
+    )
+}
+
+fn figure(title: &str, panels: Vec<Panel>) -> Figure {
+    Figure { title: title.to_owned(), panels }
 }
 
 #[test]
@@ -33,22 +46,31 @@ fn figures_stay_small_and_are_the_same_each_time() {
 #[test]
 fn every_axis_title_and_legend_is_text() {
     let svg = busy_figure(100).to_svg().unwrap();
-    for text in ["A title with &lt;, &amp; and µ", "time [s]", "position [rad]", "torque [N m]", "orbit", "held-out"] {
+    let texts =
+        ["A title with &lt;, &amp; and µ", "time (s)", "position (rad)", "orbit (rad)", "held-out", "commanded"];
+    for text in texts {
         assert!(svg.lines().any(|line| line.trim() == text), "{text}");
     }
     assert!(svg.contains("<text"));
+    assert_eq!(svg.matches("time (s)").count(), 1, "two panels share one axis of time");
 }
 
 #[test]
 fn odd_figures_are_drawn_too() {
-    let huge = [f64::MAX, f64::MIN, 1e300, -1e300, 5e-324];
+    let one = |mark, points: &[(f64, f64)]| {
+        figure("odd", vec![Panel::new("x (1)", "y (1)", vec![Series::new("a", mark, points.iter().copied())])])
+    };
+    let huge = [f64::MAX, f64::MIN, 1e300, -1e300, 5e-324].map(|value| (value, value));
     let figures = [
-        Figure::new("nothing", "", ""),
-        Figure::new("empty", "time", "s").panel(Panel::new("y", "")),
-        Figure::new("constant", "time", "s").panel(Panel::new("y", "").line("", &[1.0, 1.0], &[2.0, 2.0])),
-        Figure::new("tiny", "time", "s").panel(Panel::new("y", "").line("", &[1e6, 1e6 + 1e-9], &[1.0, 1.0 + 1e-15])),
-        Figure::new("huge", "x", "").panel(Panel::new("y", "").line("a", &huge, &huge).step("b", &huge, &huge)),
-        Figure::new("no numbers", "x", "").panel(Panel::new("y", "").scatter("a", &[f64::NAN], &[f64::INFINITY])),
+        figure("nothing", vec![]),
+        figure("empty", vec![Panel::new("", "", vec![])]),
+        one(Mark::Line, &[(1.0, 2.0), (1.0, 2.0)]),
+        one(Mark::Line, &[(1e6, 1.0), (1e6 + 1e-9, 1.0 + 1e-15)]),
+        one(Mark::Line, &huge),
+        one(Mark::Step, &huge),
+        one(Mark::Points, &huge),
+        one(Mark::Points, &[(f64::NAN, f64::INFINITY)]),
+        one(Mark::Line, &[(-5e-324, 5e-324), (5e-324, -5e-324)]),
     ];
     for figure in figures {
         let svg = figure.to_svg().unwrap();

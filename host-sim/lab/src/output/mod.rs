@@ -33,21 +33,6 @@ pub fn write_text(file: &Path, text: &str) -> Result<(), Error> {
     write(file, |to| to.write_all(text.as_bytes()))
 }
 
-/// Writes `text` to standard output. A reader that went away, as `head` does, is no error.
-///
-/// # Errors
-///
-/// [`Error::Output`] where standard output cannot be written.
-pub fn print(text: &str) -> Result<(), Error> {
-    let mut stdout = io::stdout().lock();
-    match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
-        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
-            Err(Error::Output { file: PathBuf::from("standard output"), reason: error.to_string() })
-        }
-        _ => Ok(()),
-    }
-}
-
 fn write_whole(file: &Path, fill: impl FnOnce(&mut BufWriter<&mut File>) -> io::Result<()>) -> io::Result<()> {
     let target = match fs::metadata(file) {
         Ok(there) if there.is_dir() => return Err(io::Error::other("it is a folder")),
@@ -76,6 +61,21 @@ fn temporary_beside(target: &Path) -> io::Result<tempfile::NamedTempFile> {
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
     builder.tempfile_in(folder)
+}
+
+/// Writes `text` to standard output. A reader that went away, as `head` does, is no error.
+///
+/// # Errors
+///
+/// [`Error::Output`] where standard output cannot be written.
+pub fn print(text: &str) -> Result<(), Error> {
+    let mut stdout = io::stdout().lock();
+    match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
+            Err(Error::Output { file: PathBuf::from("standard output"), reason: error.to_string() })
+        }
+        _ => Ok(()),
+    }
 }
 
 fn one_line(message: &str) -> String {
