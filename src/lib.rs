@@ -29,6 +29,8 @@ pub mod drivers;
 pub mod experiment;
 mod fault;
 mod frame;
+#[cfg(feature = "host-sim")]
+pub mod host_sim;
 mod law;
 pub mod link;
 mod maths;

@@ -5,7 +5,13 @@
 
 pub mod cli;
 pub mod error;
+pub mod output;
+pub mod plot;
 pub mod read;
+pub mod replay;
+pub mod report;
+pub mod residual;
+pub mod simulate;
 pub mod stability;
 
 pub use error::Error;

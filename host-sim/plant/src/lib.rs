@@ -24,10 +24,12 @@
 mod actuation;
 pub mod chips;
 mod command;
+pub mod effects;
 mod error;
 mod mechanics;
 mod model;
 mod plant;
+pub mod sensor;
 mod timeline;
 
 pub use actuation::{Segment, Signal};

@@ -1,6 +1,14 @@
 //! One recording, as columns.
 
-use super::AxisKind;
+use std::ffi::OsStr;
+use std::io::Cursor;
+use std::path::Path;
+
+use super::columns::Header;
+use super::nearest::misspelt;
+use super::values::Values;
+use super::{AxisKind, Column, csv_file, gaps, parquet_file};
+use crate::Error;
 
 /// What the controller commanded of the damper.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -11,6 +19,20 @@ pub enum Mode {
     Damper,
     /// Constant braking field.
     Brake,
+}
+
+impl Mode {
+    /// Every mode.
+    pub const ALL: [Self; 3] = [Self::Off, Self::Damper, Self::Brake];
+
+    /// The word in the column `mode`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Off => "off",
+            Self::Damper => "damper",
+            Self::Brake => "brake",
+        }
+    }
 }
 
 /// Samples of one run: columns of equal length, at least one row, time strictly rising.
@@ -54,4 +76,163 @@ pub struct Recording {
     pub gaps: Vec<usize>,
     /// Columns the format does not know, kept as text and reported.
     pub extra: Vec<(String, Vec<String>)>,
+}
+
+/// The cells of one column, as [`Recording::columns`] lists them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Cells<'a> {
+    /// Finite numbers in the unit of the column's name.
+    Real(&'a [f64]),
+    /// Column `mode`.
+    Mode(&'a [Mode]),
+    /// Column `seq`.
+    Seq(&'a [u64]),
+    /// Column `fault`.
+    Fault(&'a [u32]),
+    /// Column `counts`.
+    Counts(&'a [i64]),
+    /// A column the format does not know.
+    Text(&'a [String]),
+}
+
+impl Recording {
+    /// Every column there is with its name on this axis: those of the format in the order of [`Column::ALL`], then the
+    /// rest.
+    pub fn columns(&self) -> Vec<(&str, Cells<'_>)> {
+        let known = Column::ALL.into_iter().filter_map(|column| Some((column.name(self.axis), self.column(column)?)));
+        let extra = self.extra.iter().map(|(name, cells)| (name.as_str(), Cells::Text(cells)));
+        known.chain(extra).collect()
+    }
+
+    /// The cells of one column of the format; none where the recording has no such column.
+    pub fn column(&self, column: Column) -> Option<Cells<'_>> {
+        fn real(values: &Option<Vec<f64>>) -> Option<Cells<'_>> {
+            values.as_deref().map(Cells::Real)
+        }
+        match column {
+            Column::Time => Some(Cells::Real(&self.t_s)),
+            Column::Position => Some(Cells::Real(&self.position)),
+            Column::EffortCmd => Some(Cells::Real(&self.effort_cmd)),
+            Column::Reference => real(&self.reference),
+            Column::FieldCmd => real(&self.field_cmd_kv_mm),
+            Column::Velocity => real(&self.velocity),
+            Column::EffortMeas => real(&self.effort_meas),
+            Column::FieldMeas => real(&self.field_meas_kv_mm),
+            Column::Temperature => real(&self.temperature_c),
+            Column::Mode => self.mode.as_deref().map(Cells::Mode),
+            Column::Seq => self.seq.as_deref().map(Cells::Seq),
+            Column::Fault => self.fault.as_deref().map(Cells::Fault),
+            Column::Counts => self.counts.as_deref().map(Cells::Counts),
+        }
+    }
+
+    /// Reads the recording in `file`, by its extension: `.csv`, or `.parquet` with the same columns.
+    ///
+    /// `expected` is the axis of the machine the recording is of; without one the axis follows the units of the columns.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Input`] with file, line (CSV) or row (Parquet) and column for anything that is not a recording of one
+    /// run of such a machine.
+    pub fn read(file: &Path, expected: Option<AxisKind>) -> Result<Self, Error> {
+        let extension = file.extension().and_then(OsStr::to_str).map(str::to_ascii_lowercase);
+        match extension.as_deref() {
+            Some("csv") => csv_file::read(file, expected),
+            Some("parquet") => parquet_file::read(file, expected),
+            _ => Err(Error::input(file, None, "", "is not a recording by its name: .csv or .parquet")),
+        }
+    }
+
+    /// Reads a recording from the bytes of a CSV file; `file` names it in messages.
+    ///
+    /// # Errors
+    ///
+    /// As [`Recording::read`].
+    pub fn from_csv_bytes(file: &Path, bytes: &[u8], expected: Option<AxisKind>) -> Result<Self, Error> {
+        csv_file::read_from(file, Cursor::new(bytes), expected)
+    }
+
+    /// Number of rows, at least one.
+    pub fn rows(&self) -> usize {
+        self.t_s.len()
+    }
+
+    /// One sentence for each thing in the file that is no error but that the user should know: columns that are not of
+    /// the format, and rows that are missing.
+    pub fn notes(&self) -> Vec<String> {
+        let known = Column::ALL.map(|column| column.name(self.axis));
+        let mut notes: Vec<_> = self
+            .extra
+            .iter()
+            .map(|(name, _)| {
+                let hint = misspelt(name, known).map_or_else(String::new, |near| format!("; is `{near}` meant?"));
+                format!("{}: column `{name}` is not one of the format and is not used{hint}", self.name)
+            })
+            .collect();
+        if !self.gaps.is_empty() {
+            let count = self.gaps.len();
+            let first = self.t_s[self.gaps[0]];
+            notes.push(format!("{}: rows are missing in {count} places, the first after t_s = {first}", self.name));
+        }
+        notes
+    }
+
+    /// Puts checked columns in their places and looks for gaps.
+    pub(super) fn assemble(file: &Path, header: Header, values: Vec<Values>) -> Result<Self, Error> {
+        let name = file.file_name().map_or_else(|| file.to_string_lossy(), OsStr::to_string_lossy).into_owned();
+        let mut recording = Self { name, ..Self::empty(header.axis) };
+        for ((name, column), values) in header.columns.into_iter().zip(values) {
+            recording.place(name, column, values);
+        }
+        if recording.t_s.is_empty() {
+            return Err(Error::input(file, None, "", "the file holds a header but no rows"));
+        }
+        recording.gaps = gaps::find(&recording.t_s, recording.seq.as_deref());
+        Ok(recording)
+    }
+
+    fn empty(axis: AxisKind) -> Self {
+        Self {
+            name: String::new(),
+            axis,
+            t_s: Vec::new(),
+            position: Vec::new(),
+            effort_cmd: Vec::new(),
+            reference: None,
+            field_cmd_kv_mm: None,
+            mode: None,
+            velocity: None,
+            effort_meas: None,
+            field_meas_kv_mm: None,
+            temperature_c: None,
+            seq: None,
+            fault: None,
+            counts: None,
+            gaps: Vec::new(),
+            extra: Vec::new(),
+        }
+    }
+
+    fn place(&mut self, name: String, column: Option<Column>, values: Values) {
+        match values {
+            Values::Text(values) => self.extra.push((name, values)),
+            Values::Mode(values) => self.mode = Some(values),
+            Values::Seq(values) => self.seq = Some(values),
+            Values::Fault(values) => self.fault = Some(values),
+            Values::Counts(values) => self.counts = Some(values),
+            Values::Real(values) => match column {
+                Some(Column::Time) => self.t_s = values,
+                Some(Column::Position) => self.position = values,
+                Some(Column::EffortCmd) => self.effort_cmd = values,
+                Some(Column::Reference) => self.reference = Some(values),
+                Some(Column::FieldCmd) => self.field_cmd_kv_mm = Some(values),
+                Some(Column::Velocity) => self.velocity = Some(values),
+                Some(Column::EffortMeas) => self.effort_meas = Some(values),
+                Some(Column::FieldMeas) => self.field_meas_kv_mm = Some(values),
+                Some(Column::Temperature) => self.temperature_c = Some(values),
+                // The remaining columns are not of real numbers.
+                Some(Column::Mode | Column::Seq | Column::Fault | Column::Counts) | None => {}
+            },
+        }
+    }
 }

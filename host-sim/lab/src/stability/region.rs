@@ -72,6 +72,8 @@ struct Piece {
 
 /// Phase of the fastest term from one point of the drawn curve to the next, rad.
 const PHASE_STEP_RAD: f64 = 0.004;
+/// Points of the longest curve that is cut into a region; a hundred turns or so.
+const MAX_POINTS: f64 = 2e5;
 /// Distance at which the faces beside a piece are asked for their roots, as a share of the window; a chord of the curve
 /// is within a tenth of it.
 const ASIDE: f64 = 5e-5;
@@ -106,6 +108,10 @@ fn curve(plant: &Plant, window: Window) -> Result<Vec<Point>, LoopError> {
     let corner = normalised(window.kp, window.kd).physical(plant.inertia_kg_m2, plant.torque_delay_s);
     let to_rad_s = Loop::new(*plant, corner)?.frequency_bound_rad_s();
     let step_rad_s = PHASE_STEP_RAD / (plant.torque_delay_s + plant.fluid.delay_s());
+    if to_rad_s / step_rad_s > MAX_POINTS {
+        let turns = to_rad_s / step_rad_s * PHASE_STEP_RAD / std::f64::consts::TAU;
+        return Err(LoopError::TooStiff(format!("the boundary curve turns {turns:.0} times within the window")));
+    }
     let scan = Scan { from_rad_s: 1e-3 * step_rad_s, to_rad_s, step_rad_s };
     Ok(scan.frequencies().map(|w| point(plant, curves::boundary(plant, w))).collect())
 }
@@ -143,13 +149,17 @@ fn on_edge(p: Point, a: Point, b: Point) -> bool {
 
 /// Cuts lines wherever two of their segments cross, themselves included.
 fn cut_at_crossings(lines: Vec<Vec<Point>>) -> Vec<Piece> {
-    let segments: Vec<(usize, usize)> =
+    let mut segments: Vec<(usize, usize)> =
         lines.iter().enumerate().flat_map(|(line, points)| (1..points.len()).map(move |k| (line, k))).collect();
     let ends = |(line, k): (usize, usize)| (lines[line][k - 1], lines[line][k]);
+    let left = |at: (usize, usize)| ends(at).0[0].min(ends(at).1[0]);
+    let right = |at: (usize, usize)| ends(at).0[0].max(ends(at).1[0]);
+    // By their left ends, so that only segments side by side are compared.
+    segments.sort_by(|&p, &q| left(p).total_cmp(&left(q)));
     let mut cuts: Vec<Vec<(usize, f64, Point)>> = vec![Vec::new(); lines.len()];
     for (n, &one) in segments.iter().enumerate() {
-        for &other in &segments[n + 1..] {
-            if one.0 == other.0 && other.1 == one.1 + 1 {
+        for &other in segments[n + 1..].iter().take_while(|&&other| left(other) <= right(one)) {
+            if one.0 == other.0 && one.1.abs_diff(other.1) == 1 {
                 continue;
             }
             if let Some((s, t, at)) = crossing(ends(one), ends(other)) {

@@ -1,0 +1,185 @@
+//! Law and plant, tick by tick.
+
+use er_servo::{
+    Config, Counts, InputFlags, Inputs, Mode as LawMode, MonitorCode, Outputs, Params, ResolverCode, ResolverSample,
+    State, step,
+};
+use plant::sensor::{Sampler, SamplerConfig, TorqueNoise};
+use plant::{Command, Model, Plant};
+
+use crate::Error;
+use crate::read::{AxisKind, Recording};
+use crate::replay::mode_of;
+
+/// An external torque for a while.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Disturbance {
+    /// Start, s.
+    pub start_s: f64,
+    /// Duration, s.
+    pub duration_s: f64,
+    /// N m.
+    pub torque_nm: f64,
+}
+
+/// What a simulation is made of.
+#[derive(Debug, Clone)]
+pub struct Setup {
+    /// The machine.
+    pub model: Model,
+    /// The control law.
+    pub config: Config,
+    /// Pushes from outside.
+    pub disturbances: Vec<Disturbance>,
+    /// Standard deviation of white noise on the measured angle before the converter, rad.
+    pub sensor_noise_rad: f64,
+    /// Standard deviation of a torque noise held over each tick, N m.
+    pub torque_noise_nm: f64,
+    /// Of both noises; the same seed gives the same recording.
+    pub seed: u64,
+}
+
+/// The running loop. One [`Self::tick`] is one control period.
+#[derive(Debug)]
+pub struct ClosedLoop {
+    plant: Plant,
+    params: Params,
+    state: State,
+    period_s: f64,
+    disturbances: Vec<Disturbance>,
+    sampler: Sampler,
+    /// None is no noise, and draws nothing.
+    torque_noise: Option<TorqueNoise>,
+    /// Held by the high-voltage amplifier since the last tick.
+    field_kv_mm: f32,
+    tick: u32,
+}
+
+/// One tick as it is recorded.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Row {
+    /// s.
+    pub t_s: f64,
+    /// Reference, counts.
+    pub reference: Counts,
+    /// True position and speed when the position was sampled.
+    pub truth: plant::State,
+    /// What the law decided.
+    pub outputs: Outputs,
+}
+
+impl ClosedLoop {
+    /// Running, at rest at 0.
+    ///
+    /// # Errors
+    /// A model or a configuration with a value that is not allowed.
+    pub fn new(setup: &Setup) -> Result<Self, Error> {
+        let params = Params::new(&setup.config).map_err(|error| Error::Usage(format!("[controller] {error}")))?;
+        let unusable = |error: plant::Error| Error::Usage(format!("the plant cannot be simulated: {error}"));
+        Ok(Self {
+            plant: Plant::new(&setup.model, plant::State::default(), 0.0).map_err(unusable)?,
+            params,
+            state: State::running_at(Counts(0)),
+            period_s: f64::from(setup.config.period_s),
+            disturbances: setup.disturbances.clone(),
+            // The counts are the resolution.
+            sampler: Sampler::new(
+                SamplerConfig { noise_sd: setup.sensor_noise_rad, ..SamplerConfig::default() },
+                setup.seed,
+            )
+            .map_err(unusable)?,
+            // A stream of its own, so that turning one noise off leaves the other as it was.
+            torque_noise: match setup.torque_noise_nm {
+                0.0 => None,
+                sd => Some(TorqueNoise::new(sd, !setup.seed).map_err(unusable)?),
+            },
+            field_kv_mm: 0.0,
+            tick: 0,
+        })
+    }
+
+    /// One control period: sample, one step of the law, the plant to the next sample.
+    ///
+    /// # Errors
+    /// A simulated quantity that left the finite numbers.
+    pub fn tick(&mut self, reference: Counts) -> Result<Row, Error> {
+        let t_s = f64::from(self.tick) * self.period_s;
+        let truth = *self.plant.state();
+        let measured = Counts::from_rad(self.sampler.measure(truth.position));
+        let inputs = Inputs {
+            resolver: ResolverSample {
+                code: ResolverCode((measured.0 & 0x0fff) as u16),
+                fault_byte: 0,
+                speed_rad_s: truth.velocity as f32,
+            },
+            flags: InputFlags::INTERLOCK_CLOSED | InputFlags::LINK_ALIVE,
+            reference,
+            field_monitor: MonitorCode::from_kv_mm(self.field_kv_mm),
+            ..Inputs::default()
+        };
+        let outputs = step(&self.params, &mut self.state, &inputs);
+        let command = Command {
+            torque: f64::from(outputs.torque_nm),
+            field_kv_mm: f64::from(outputs.field_kv_mm),
+            braking: outputs.mode == LawMode::Brake,
+            speed_estimate: f64::from(outputs.speed_rad_s),
+            viscosity: viscosity_nm_s_rad(&outputs),
+            external_torque: self.external_torque_nm(t_s),
+        };
+        self.field_kv_mm = outputs.field_kv_mm;
+        self.tick += 1;
+        self.plant
+            .advance(&command, f64::from(self.tick) * self.period_s)
+            .map_err(|error| Error::Usage(format!("the simulation stopped at {t_s} s: {error}")))?;
+        Ok(Row { t_s, reference, truth, outputs })
+    }
+
+    fn external_torque_nm(&mut self, t_s: f64) -> f64 {
+        let pushes = self.disturbances.iter();
+        let pushes = pushes.filter(|push| t_s >= push.start_s && t_s < push.start_s + push.duration_s);
+        let pushes: f64 = pushes.map(|push| push.torque_nm).sum();
+        pushes + self.torque_noise.as_mut().map_or(0.0, TorqueNoise::draw)
+    }
+}
+
+/// The coefficient Q that the damper was asked for; none while it brakes, whose torque is not a viscosity.
+fn viscosity_nm_s_rad(outputs: &Outputs) -> Option<f64> {
+    match outputs.mode {
+        LawMode::Off => Some(0.0),
+        LawMode::Damper => Some(f64::from(er_servo::viscosity_nm_s_rad(outputs.speed_rad_s))),
+        LawMode::Brake => None,
+    }
+}
+
+/// Runs the loop along a reference and keeps every row.
+///
+/// # Errors
+/// See [`ClosedLoop`].
+pub fn run(setup: &Setup, reference: impl IntoIterator<Item = Counts>) -> Result<Vec<Row>, Error> {
+    let mut closed_loop = ClosedLoop::new(setup)?;
+    reference.into_iter().map(|counts| closed_loop.tick(counts)).collect()
+}
+
+/// The rows as a recording: what the drive itself would have logged, not the truth.
+pub fn record(name: &str, rows: &[Row]) -> Recording {
+    let column = |value: fn(&Row) -> f64| rows.iter().map(value).collect::<Vec<f64>>();
+    Recording {
+        name: name.to_owned(),
+        axis: AxisKind::Rotary,
+        t_s: column(|row| row.t_s),
+        position: column(|row| row.outputs.position.to_rad()),
+        effort_cmd: column(|row| f64::from(row.outputs.torque_nm)),
+        reference: Some(column(|row| row.reference.to_rad())),
+        field_cmd_kv_mm: Some(column(|row| f64::from(row.outputs.field_kv_mm))),
+        mode: Some(rows.iter().map(|row| mode_of(row.outputs.mode)).collect()),
+        velocity: Some(column(|row| f64::from(row.outputs.speed_rad_s))),
+        effort_meas: None,
+        field_meas_kv_mm: None,
+        temperature_c: None,
+        seq: Some((0..rows.len() as u64).collect()),
+        fault: Some(rows.iter().map(|row| u32::from(row.outputs.supervisor.faults().bits())).collect()),
+        counts: Some(rows.iter().map(|row| i64::from(row.outputs.position.0)).collect()),
+        gaps: Vec::new(),
+        extra: Vec::new(),
+    }
+}
