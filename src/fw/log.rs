@@ -1,8 +1,10 @@
 //! What goes to the host over RTT: events a person reads, and while recording one frame a tick.
 
+use er_servo::app::InitError;
+use er_servo::drivers::{ad2s1210, dac};
 use er_servo::{Config, FRAME_SCHEMA, Faults, Frame, State, Supervisor, parameters};
 
-use super::tick::{HardwareError, describe};
+use super::tick::HardwareError;
 
 /// Watches the frames for events, and records them.
 pub struct Log {
@@ -89,7 +91,7 @@ impl Log {
             defmt::error!("tick {=u32}: {=str}", seq, sentence);
         }
         let resolver_faults = frame.inputs.resolver.fault_byte;
-        let chip = er_servo::drivers::ad2s1210::Faults::from_bits_retain(resolver_faults & !self.resolver_faults);
+        let chip = ad2s1210::Faults::from_bits_retain(resolver_faults & !self.resolver_faults);
         for sentence in chip.sentences() {
             defmt::warn!("tick {=u32}: {=str}", seq, sentence);
         }
@@ -100,10 +102,52 @@ impl Log {
     }
 }
 
-/// A chip did not come up; the drive ticks on and reports it.
+/// A chip did not come up; the drive ticks on and reports it. The strings stay on the host: formatting them here would
+/// take a tenth of the image.
 pub fn init_failed(error: &HardwareError) {
-    let mut text = heapless::String::<200>::new();
-    // A message that is too long is cut, not lost.
-    let _ = describe(error, &mut text);
-    defmt::error!("{=str}", text.as_str());
+    match error {
+        InitError::Resolver(error) => resolver_failed(error),
+        InitError::Dac(error) => dac_failed(error),
+    }
+}
+
+fn resolver_failed<E>(error: &ad2s1210::Error<E>) {
+    use ad2s1210::Error;
+    match error {
+        Error::Bus(_) => defmt::error!("resolver converter: SPI1 failed"),
+        Error::Pin => defmt::error!("resolver converter: a control pin could not be driven"),
+        Error::ReadBack { register, wrote, read } => defmt::error!(
+            "resolver converter: register {=u8:#04x} holds {=u8:#04x} after {=u8:#04x} was written; check wiring, supply",
+            *register as u8,
+            read,
+            wrote
+        ),
+        Error::Parity { register } => {
+            defmt::error!("resolver converter: parity error in register {=u8:#04x}", *register as u8);
+        }
+        Error::Setting { register, value } => {
+            defmt::error!("resolver converter: {=u8} does not fit register {=u8:#04x}", value, *register as u8);
+        }
+        Error::Faulty(faults) => faults.sentences().for_each(|sentence| defmt::error!("{=str}", sentence)),
+    }
+}
+
+fn dac_failed<E>(error: &dac::Error<E>) {
+    use dac::Error;
+    match error {
+        Error::Bus(_) => defmt::error!("command DAC: SPI2 failed"),
+        Error::Pin => defmt::error!("command DAC: LDAC or CLR could not be driven"),
+        Error::ReadBack { register, wrote, read } => defmt::error!(
+            "command DAC: register {=u8:#04x} holds {=u16:#06x} after {=u16:#06x} was written; check wiring, supply",
+            register,
+            read,
+            wrote
+        ),
+        Error::Output(status) => defmt::error!(
+            "command DAC: over-current A {=bool}, over-current B {=bool}, thermal shutdown {=bool}",
+            status.over_current_a,
+            status.over_current_b,
+            status.thermal_shutdown
+        ),
+    }
 }

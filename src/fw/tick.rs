@@ -200,14 +200,6 @@ impl Tick {
     }
 }
 
-/// What a chip that did not come up says, in a sentence.
-pub fn describe(error: &HardwareError, text: &mut impl core::fmt::Write) -> core::fmt::Result {
-    match error {
-        InitError::Resolver(error) => write!(text, "{error}"),
-        InitError::Dac(error) => write!(text, "{error}"),
-    }
-}
-
 #[interrupt]
 fn TIM2() {
     with(Tick::run);
