@@ -30,7 +30,7 @@ pub fn remaining_amplitude_rad(
         coulomb: coulomb_nm,
         torque_delay_s: closed.plant().torque_delay_s,
         torque_limit: Some(f64::from(config.torque_limit_nm)),
-        er: delay.map(|delay| Er { a, b, response: response(delay) }),
+        er: delay.map(|delay| Er { response: response(delay), ..Er::new(a, b, 0.0, 0.0) }),
         ..Model::new(closed.plant().inertia_kg_m2)
     };
     let setup = Setup { model, config, disturbances: Vec::new(), sensor_noise_rad: 0.0, torque_noise_nm: 0.0, seed: 0 };
