@@ -6,7 +6,7 @@ use er_servo::experiment::{Experiment, Shape};
 
 use super::machine::MachineArgs;
 use crate::Error;
-use crate::simulate::{Disturbance, Reference, Scenario, Setup, Summary, record, run as run_loop};
+use crate::simulate::{Disturbance, Reference, Scenario, Setup, Summary, period_s, record, run as run_loop};
 
 /// The built-in scenarios.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
@@ -96,7 +96,7 @@ pub fn run(args: &Args) -> Result<(), Error> {
         torque_noise_nm: args.torque_noise_nm,
         seed: u64::from(args.seed),
     };
-    let period_s = f64::from(config.period_s);
+    let period_s = period_s(&config);
     let rows = run_loop(&setup, scenario.reference.positions(period_s)?)?;
     if let Some(file) = &args.out {
         let name = file.file_name().unwrap_or_default().to_string_lossy();

@@ -4,6 +4,7 @@ use er_servo::{
     Config, Counts, InputFlags, Inputs, Mode as LawMode, MonitorCode, Outputs, Params, ResolverCode, ResolverSample,
     State, step,
 };
+use plant::effects::Pulse;
 use plant::sensor::{Sampler, SamplerConfig, TorqueNoise};
 use plant::{Command, Model, Plant};
 
@@ -20,6 +21,13 @@ pub struct Disturbance {
     pub duration_s: f64,
     /// N m.
     pub torque_nm: f64,
+}
+
+impl Disturbance {
+    /// The plant's own, which need not begin or end with a tick.
+    fn pulse(&self) -> Pulse {
+        Pulse { start_s: self.start_s, duration_s: self.duration_s, amplitude: self.torque_nm }
+    }
 }
 
 /// What a simulation is made of.
@@ -45,8 +53,7 @@ pub struct ClosedLoop {
     plant: Plant,
     params: Params,
     state: State,
-    period_s: f64,
-    disturbances: Vec<Disturbance>,
+    ticks_per_s: f64,
     sampler: Sampler,
     /// None is no noise, and draws nothing.
     torque_noise: Option<TorqueNoise>,
@@ -68,6 +75,12 @@ pub struct Row {
     pub outputs: Outputs,
 }
 
+/// The control period in double precision, s: the decimal number that the configuration rounds to single precision.
+pub fn period_s(config: &Config) -> f64 {
+    let single = config.period_s;
+    single.to_string().parse().unwrap_or(f64::from(single))
+}
+
 impl ClosedLoop {
     /// Running, at rest at 0.
     ///
@@ -76,12 +89,13 @@ impl ClosedLoop {
     pub fn new(setup: &Setup) -> Result<Self, Error> {
         let params = Params::new(&setup.config).map_err(|error| Error::Usage(format!("[controller] {error}")))?;
         let unusable = |error: plant::Error| Error::Usage(format!("the plant cannot be simulated: {error}"));
+        let mut model = setup.model.clone();
+        model.pulses.extend(setup.disturbances.iter().map(Disturbance::pulse));
         Ok(Self {
-            plant: Plant::new(&setup.model, plant::State::default(), 0.0).map_err(unusable)?,
+            plant: Plant::new(&model, plant::State::default(), 0.0).map_err(unusable)?,
             params,
             state: State::running_at(Counts(0)),
-            period_s: f64::from(setup.config.period_s),
-            disturbances: setup.disturbances.clone(),
+            ticks_per_s: period_s(&setup.config).recip(),
             // The counts are the resolution.
             sampler: Sampler::new(
                 SamplerConfig { noise_sd: setup.sensor_noise_rad, ..SamplerConfig::default() },
@@ -103,7 +117,7 @@ impl ClosedLoop {
     /// # Errors
     /// A simulated quantity that left the finite numbers.
     pub fn tick(&mut self, reference: Counts) -> Result<Row, Error> {
-        let t_s = f64::from(self.tick) * self.period_s;
+        let t_s = f64::from(self.tick) / self.ticks_per_s;
         let truth = *self.plant.state();
         let measured = Counts::from_rad(self.sampler.measure(truth.position));
         let inputs = Inputs {
@@ -124,21 +138,14 @@ impl ClosedLoop {
             braking: outputs.mode == LawMode::Brake,
             speed_estimate: f64::from(outputs.speed_rad_s),
             viscosity: viscosity_nm_s_rad(&outputs),
-            external_torque: self.external_torque_nm(t_s),
+            external_torque: self.torque_noise.as_mut().map_or(0.0, TorqueNoise::draw),
         };
         self.field_kv_mm = outputs.field_kv_mm;
         self.tick += 1;
         self.plant
-            .advance(&command, f64::from(self.tick) * self.period_s)
+            .advance(&command, f64::from(self.tick) / self.ticks_per_s)
             .map_err(|error| Error::Usage(format!("the simulation stopped at {t_s} s: {error}")))?;
         Ok(Row { t_s, reference, truth, outputs })
-    }
-
-    fn external_torque_nm(&mut self, t_s: f64) -> f64 {
-        let pushes = self.disturbances.iter();
-        let pushes = pushes.filter(|push| t_s >= push.start_s && t_s < push.start_s + push.duration_s);
-        let pushes: f64 = pushes.map(|push| push.torque_nm).sum();
-        pushes + self.torque_noise.as_mut().map_or(0.0, TorqueNoise::draw)
     }
 }
 
