@@ -6,7 +6,7 @@ use er_servo::{
 };
 use plant::effects::Pulse;
 use plant::sensor::{Sampler, SamplerConfig, TorqueNoise};
-use plant::{Command, Model, Plant};
+use plant::{Command, FluidResponse, Model, Plant};
 
 use crate::Error;
 use crate::read::{AxisKind, Recording};
@@ -55,6 +55,8 @@ pub struct ClosedLoop {
     state: State,
     ticks_per_s: f64,
     sampler: Sampler,
+    /// Whether the fluid's delay is one of the viscosity; the others do not look at it, and it takes an exponential.
+    viscosity_acts: bool,
     /// None is no noise, and draws nothing.
     torque_noise: Option<TorqueNoise>,
     /// Held by the high-voltage amplifier since the last tick.
@@ -96,6 +98,7 @@ impl ClosedLoop {
             params,
             state: State::running_at(Counts(0)),
             ticks_per_s: period_s(&setup.config).recip(),
+            viscosity_acts: model.er.as_ref().is_some_and(|er| !matches!(er.response, FluidResponse::Field(_))),
             // The counts are the resolution.
             sampler: Sampler::new(
                 SamplerConfig { noise_sd: setup.sensor_noise_rad, ..SamplerConfig::default() },
@@ -137,7 +140,7 @@ impl ClosedLoop {
             field_kv_mm: f64::from(outputs.field_kv_mm),
             braking: outputs.mode == LawMode::Brake,
             speed_estimate: f64::from(outputs.speed_rad_s),
-            viscosity: viscosity_nm_s_rad(&outputs),
+            viscosity: if self.viscosity_acts { viscosity_nm_s_rad(&outputs) } else { None },
             external_torque: self.torque_noise.as_mut().map_or(0.0, TorqueNoise::draw),
         };
         self.field_kv_mm = outputs.field_kv_mm;
