@@ -9,8 +9,12 @@ use plant::sensor::{Sampler, SamplerConfig, TorqueNoise};
 use plant::{Command, FluidResponse, Model, Plant};
 
 use crate::Error;
+use crate::progress::Progress;
 use crate::read::{AxisKind, Recording};
 use crate::replay::mode_of;
+
+/// Ticks between two looks at the progress: a few milliseconds of work.
+const PROGRESS_TICKS: usize = 10_000;
 
 /// An external torque for a while.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -167,7 +171,16 @@ fn viscosity_nm_s_rad(outputs: &Outputs) -> Option<f64> {
 /// See [`ClosedLoop`].
 pub fn run(setup: &Setup, reference: impl IntoIterator<Item = Counts>) -> Result<Vec<Row>, Error> {
     let mut closed_loop = ClosedLoop::new(setup)?;
-    reference.into_iter().map(|counts| closed_loop.tick(counts)).collect()
+    let reference: Vec<Counts> = reference.into_iter().collect();
+    let progress = Progress::new("simulating, ticks", reference.len() as u64);
+    let mut rows = Vec::with_capacity(reference.len());
+    for chunk in reference.chunks(PROGRESS_TICKS) {
+        for counts in chunk {
+            rows.push(closed_loop.tick(*counts)?);
+        }
+        progress.advance(chunk.len() as u64);
+    }
+    Ok(rows)
 }
 
 /// The rows as a recording: what the drive itself would have logged, not the truth.
