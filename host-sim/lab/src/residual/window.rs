@@ -112,8 +112,8 @@ fn spans(recording: &Recording, horizon_s: f64) -> Vec<(usize, usize)> {
         let gap = recording.gaps.partition_point(|gap| *gap < start);
         let to_gap = recording.gaps.get(gap).map_or(t_s.len(), |gap| gap + 1);
         let end = in_time.min(to_gap);
-        let covers = end < t_s.len() && end == in_time;
-        if covers && end - start >= 8 {
+        // The row at its end shows that the window is whole.
+        if in_time < to_gap && end - start >= 8 {
             spans.push((start, end));
         }
         start = end.max(start + 1);
