@@ -90,12 +90,12 @@ fn bad_input_of_every_command_is_one_line_and_writes_nothing() {
         ("simulate steps --dwell-s 0 --out out.csv", "dwell_s"),
         ("simulate --fluid q --dead-time-ms 5 --lag-ms 5 --out out.csv", "not both"),
         ("simulate --fluid none --lag-ms 5 --out out.csv", "--fluid none has no delay"),
-        ("simulate --fluid e --lag-ms=-5 --out out.csv", "lag"),
-        ("simulate --drive-delay-ms=-5 --out out.csv", "torque_delay_s"),
+        ("simulate --fluid e --lag-ms=-5 --out out.csv", "--lag-ms: -5 ms is not allowed"),
+        ("simulate --fluid e --dead-time-ms nan --out out.csv", "--dead-time-ms: NaN ms is not allowed"),
+        ("simulate --drive-delay-ms=-5 --out out.csv", "--drive-delay-ms: -5 ms is not allowed, 0 to 1000 is"),
         ("simulate --sensor-noise-rad nan --out out.csv", "noise_sd"),
         ("simulate --torque-noise-nm=-1 --out out.csv", "torque_noise_sd"),
         ("simulate --disturbance 0.1,-1,8 --out out.csv", "duration_s"),
-        ("simulate --out out.txt", ".csv or .parquet"),
         ("replay missing.csv", "missing.csv: cannot open"),
         ("replay bad.csv", "bad.csv:3: position_rad"),
         ("replay text.txt", "text.txt: is not a recording by its name"),
@@ -118,7 +118,15 @@ fn bad_input_of_every_command_is_one_line_and_writes_nothing() {
 #[test]
 fn flags_that_do_not_exist_or_lack_a_value_exit_with_2() {
     let folder = tempfile::tempdir().unwrap();
-    for line in ["", "simulat", "simulate --sed 3", "simulate --disturbance 1,2", "compare run.csv", "replay"] {
+    for line in [
+        "",
+        "simulat",
+        "simulate --sed 3",
+        "simulate --disturbance 1,2",
+        "simulate --out o.txt",
+        "compare run.csv",
+        "replay",
+    ] {
         let output = lab(folder.path(), line);
         assert_eq!(output.status.code(), Some(2), "{line}");
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0, "{line}");

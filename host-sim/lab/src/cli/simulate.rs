@@ -67,8 +67,18 @@ pub struct Args {
     #[arg(long, default_value_t = 1)]
     seed: u32,
     /// Recording to write, .csv or .parquet; without one, only the summary is printed.
-    #[arg(long, short, value_name = "FILE")]
+    #[arg(long, short, value_name = "FILE", value_parser = recording_name)]
     out: Option<PathBuf>,
+}
+
+/// Refused before the run, and not after it.
+fn recording_name(text: &str) -> Result<PathBuf, String> {
+    let file = PathBuf::from(text);
+    let extension = file.extension().map(|extension| extension.to_string_lossy().to_ascii_lowercase());
+    match extension.as_deref() {
+        Some("csv" | "parquet") => Ok(file),
+        _ => Err("the name of a recording must end in .csv or .parquet".to_owned()),
+    }
 }
 
 fn disturbance(text: &str) -> Result<Disturbance, String> {
