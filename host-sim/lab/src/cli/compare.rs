@@ -29,8 +29,13 @@ pub fn run(args: &Args) -> Result<(), Error> {
     let machine = Machine::read(&args.machine)?;
     let recordings: Vec<Recording> =
         args.recordings.iter().map(|file| Recording::read(file, Some(machine.axis.kind))).collect::<Result<_, _>>()?;
-    for recording in &recordings {
-        let comparison = Comparison::new(&nominal(&machine), &machine.axis, recording)?;
+    let model = nominal(&machine);
+    // All of them before the first picture: bad input writes nothing.
+    let comparisons: Vec<Comparison> = recordings
+        .iter()
+        .map(|recording| Comparison::new(&model, &machine.axis, recording))
+        .collect::<Result<_, _>>()?;
+    for (recording, comparison) in recordings.iter().zip(&comparisons) {
         output::print(&comparison.to_string())?;
         let stem = Path::new(&recording.name).file_stem().unwrap_or_default().to_string_lossy();
         let file = args.plots.join(format!("compare-{stem}.svg"));

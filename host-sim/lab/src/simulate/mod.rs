@@ -5,7 +5,7 @@ mod nominal;
 mod scenario;
 mod summary;
 
-pub use closed_loop::{ClosedLoop, Disturbance, Row, Setup, record, run};
+pub use closed_loop::{ClosedLoop, Disturbance, Row, Setup, period_s, record, run};
 pub use nominal::nominal;
 pub use scenario::{Positions, Reference, Scenario};
 pub use summary::{StepFigures, Summary};
