@@ -4,7 +4,7 @@
 //! |---|---|---|
 //! | PA5, PA6, PA7, PA4 | SPI1 SCK, MISO, MOSI, select of the AD2S1210 (WR/FSYNC) | mode 1, 10.5 MHz |
 //! | PB0, PB1, PB2, PB10 | SAMPLE, A0, A1, RESET of the AD2S1210 | pull-down on RESET |
-//! | PB13, PB14, PB15, PB12 | SPI2 SCK, MISO, MOSI, select of the AD5754R (SYNC) | mode 1, 10.5 MHz |
+//! | PB13, PB14, PB15, PB12 | SPI2 SCK, MISO, MOSI, select of the AD5754R (SYNC) | mode 1, 21 MHz to write, 10.5 MHz to read |
 //! | PC6, PC7 | LDAC, CLR of the AD5754R | pull-down on CLR: outputs 0 V until the image runs |
 //! | PC0 | ADC1 channel 10, field monitor | 0..3.3 V is 0..4 kV/mm |
 //! | PC1 | high-voltage interlock | high: closed; internal pull-down |
@@ -16,8 +16,8 @@
 
 use cortex_m::singleton;
 use embedded_hal::delay::DelayNs;
-use embedded_hal::spi::MODE_1;
-use embedded_hal_bus::spi::{ExclusiveDevice, NoDelay};
+use embedded_hal::spi::{self as hal_spi, MODE_1, Operation, SpiDevice};
+use embedded_hal_bus::spi::ExclusiveDevice;
 use er_servo::app::{FieldMonitor, Servo, Wiring};
 use er_servo::drivers::ad2s1210::{self, Ad2s1210};
 use er_servo::drivers::dac::{self, Dac, Part};
@@ -40,6 +40,7 @@ use stm32f4xx_hal::timer::{CounterHz, Event};
 use stm32f4xx_hal::watchdog::IndependentWatchdog;
 
 use super::storage::Storage;
+use super::tick::Offset;
 
 /// PC8.
 pub const HV_ENABLE_PIN: u32 = 8;
@@ -50,18 +51,20 @@ pub const FAULT_LAMP_PIN: u32 = 9;
 
 /// Frames between the interrupt and the log: 64 ms, power of two for a cheap queue.
 pub const QUEUE_FRAMES: usize = 128;
+/// Offsets of an experiment that are computed ahead: 32 ms.
+pub const QUEUE_OFFSETS: usize = 64;
 /// The drive restarts when thread mode or the tick stands still for this long.
 pub const WATCHDOG_MS: u32 = 100;
 /// Bytes of the link's ring.
 const RING_BYTES: usize = 1024;
 const CORE_HZ: u32 = 168_000_000;
 
-type Device<Bus, const PORT: char> = ExclusiveDevice<Spi<Bus>, PEPin<PORT, Output<PushPull>>, NoDelay>;
+type Device<Bus, const PORT: char> = ExclusiveDevice<Spi<Bus>, PEPin<PORT, Output<PushPull>>, CycleDelay>;
 /// What the application loop is wired to.
 pub type Hardware = Wiring<
     Device<pac::SPI1, 'A'>,
     PEPin<'B', Output<PushPull>>,
-    Device<pac::SPI2, 'B'>,
+    FastWrites<Device<pac::SPI2, 'B'>>,
     PEPin<'C', Output<PushPull>>,
     PEPin<'C', Input>,
     PEPin<'C', Output<PushPull>>,
@@ -79,7 +82,11 @@ pub struct Board {
     pub watchdog: IndependentWatchdog,
     /// Where the interrupt puts frames.
     pub frames_in: Producer<'static, Frame>,
-    /// Where thread mode takes them.
+    /// Where the interrupt takes the offsets of an experiment.
+    pub offsets: Consumer<'static, Offset>,
+    /// Where thread mode puts them.
+    pub offsets_in: Producer<'static, Offset>,
+    /// Where thread mode takes frames.
     pub frames: Consumer<'static, Frame>,
     /// What the last reset says.
     pub reset_faults: Faults,
@@ -100,6 +107,7 @@ impl Board {
         let device = pac::Peripherals::take()?;
         let queue = singleton!(: Queue<Frame, QUEUE_FRAMES> = Queue::new())?;
         let (frames_in, frames) = queue.split();
+        let (offsets_in, offsets) = singleton!(: Queue<Offset, QUEUE_OFFSETS> = Queue::new())?.split();
 
         let reset_faults = reset_cause(&device.RCC);
         let config = rcc::Config::hse(8.MHz()).sysclk(CORE_HZ.Hz()).pclk1(42.MHz()).pclk2(84.MHz());
@@ -130,8 +138,12 @@ impl Board {
         };
         let dac_pins = dac::Pins { ldac: c.pc6.into_push_pull_output().erase_number(), clear };
         let wiring = Wiring {
-            resolver: Ad2s1210::new(ExclusiveDevice::new_no_delay(spi1, select_resolver).ok()?, resolver_pins),
-            dac: Dac::new(ExclusiveDevice::new_no_delay(spi2, select_dac).ok()?, dac_pins, Part::Quad),
+            resolver: Ad2s1210::new(ExclusiveDevice::new(spi1, select_resolver, CycleDelay).ok()?, resolver_pins),
+            dac: Dac::new(
+                FastWrites::new(ExclusiveDevice::new(spi2, select_dac, CycleDelay).ok()?),
+                dac_pins,
+                Part::Quad,
+            ),
             interlock_closed: c.pc1.into_pull_down_input().erase_number(),
             stop_released: c.pc2.into_pull_down_input().erase_number(),
             hv_enable,
@@ -150,7 +162,20 @@ impl Board {
         let (tx, rx) = Serial::new(device.USART2, (a.pa2, a.pa3), serial_config, &mut rcc).ok()?.split();
         let streams = StreamsTuple::new(device.DMA1, &mut rcc);
         let ring = Ring::start(streams.5, rx, singleton!(: [u8; RING_BYTES] = [0; RING_BYTES])?);
-        Some(Self { servo, timer, watchdog, frames_in, frames, reset_faults, ring, tx, storage, config })
+        Some(Self {
+            servo,
+            timer,
+            watchdog,
+            frames_in,
+            frames,
+            offsets,
+            offsets_in,
+            reset_faults,
+            ring,
+            tx,
+            storage,
+            config,
+        })
     }
 }
 
@@ -203,6 +228,43 @@ fn reset_cause(rcc: &pac::RCC) -> Faults {
     let cause = rcc.csr().read();
     rcc.csr().modify(|_, w| w.rmvf().set_bit());
     if cause.wdgrstf().bit_is_set() || cause.wwdgrstf().bit_is_set() { Faults::ABNORMAL_RESET } else { Faults::empty() }
+}
+
+/// SPI2 at 21 MHz while only written to, at 10.5 MHz to read: the DAC takes 30 MHz, its answers need 90 ns a clock. The
+/// tick only writes, and so waits half as long.
+pub struct FastWrites<D> {
+    device: D,
+    fast: bool,
+}
+
+impl<D> FastWrites<D> {
+    fn new(device: D) -> Self {
+        Self { device, fast: false }
+    }
+
+    fn clock(&mut self, fast: bool) {
+        if fast == self.fast {
+            return;
+        }
+        self.fast = fast;
+        // SAFETY: SPI2 is this device's own, and no transfer runs between two transactions.
+        #[allow(unsafe_code)]
+        let registers = unsafe { &*pac::SPI2::ptr() };
+        registers.cr1().modify(|_, w| w.spe().clear_bit());
+        registers.cr1().modify(|_, w| if fast { w.br().div2() } else { w.br().div4() });
+        registers.cr1().modify(|_, w| w.spe().set_bit());
+    }
+}
+
+impl<D: SpiDevice> hal_spi::ErrorType for FastWrites<D> {
+    type Error = D::Error;
+}
+
+impl<D: SpiDevice> SpiDevice for FastWrites<D> {
+    fn transaction(&mut self, operations: &mut [Operation<'_, u8>]) -> Result<(), D::Error> {
+        self.clock(operations.iter().all(|operation| matches!(operation, Operation::Write(_))));
+        self.device.transaction(operations)
+    }
 }
 
 /// The field monitor: each reading starts the next conversion, so a value is one tick old and none is waited for.
