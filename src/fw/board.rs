@@ -16,8 +16,7 @@
 
 use cortex_m::singleton;
 use embedded_hal::delay::DelayNs;
-use embedded_hal::spi::{self as hal_spi, MODE_1, Operation, SpiDevice};
-use embedded_hal_bus::spi::ExclusiveDevice;
+use embedded_hal::spi::MODE_1;
 use er_servo::app::{FieldMonitor, Servo, Wiring};
 use er_servo::drivers::ad2s1210::{self, Ad2s1210};
 use er_servo::drivers::dac::{self, Dac, Part};
@@ -39,6 +38,7 @@ use stm32f4xx_hal::spi::Spi;
 use stm32f4xx_hal::timer::{CounterHz, Event};
 use stm32f4xx_hal::watchdog::IndependentWatchdog;
 
+use super::spi::{Device, FastWrites};
 use super::storage::Storage;
 use super::tick::Offset;
 
@@ -59,7 +59,6 @@ pub const WATCHDOG_MS: u32 = 100;
 const RING_BYTES: usize = 1024;
 const CORE_HZ: u32 = 168_000_000;
 
-type Device<Bus, const PORT: char> = ExclusiveDevice<Spi<Bus>, PEPin<PORT, Output<PushPull>>, CycleDelay>;
 /// What the application loop is wired to.
 pub type Hardware = Wiring<
     Device<pac::SPI1, 'A'>,
@@ -81,13 +80,13 @@ pub struct Board {
     /// Running.
     pub watchdog: IndependentWatchdog,
     /// Where the interrupt puts frames.
-    pub frames_in: Producer<'static, Frame>,
+    pub frames_in: Producer<'static, Frame, QUEUE_FRAMES>,
     /// Where the interrupt takes the offsets of an experiment.
-    pub offsets: Consumer<'static, Offset>,
+    pub offsets: Consumer<'static, Offset, QUEUE_OFFSETS>,
     /// Where thread mode puts them.
-    pub offsets_in: Producer<'static, Offset>,
+    pub offsets_in: Producer<'static, Offset, QUEUE_OFFSETS>,
     /// Where thread mode takes frames.
-    pub frames: Consumer<'static, Frame>,
+    pub frames: Consumer<'static, Frame, QUEUE_FRAMES>,
     /// What the last reset says.
     pub reset_faults: Faults,
     /// Bytes of the link that came in.
@@ -138,12 +137,8 @@ impl Board {
         };
         let dac_pins = dac::Pins { ldac: c.pc6.into_push_pull_output().erase_number(), clear };
         let wiring = Wiring {
-            resolver: Ad2s1210::new(ExclusiveDevice::new(spi1, select_resolver, CycleDelay).ok()?, resolver_pins),
-            dac: Dac::new(
-                FastWrites::new(ExclusiveDevice::new(spi2, select_dac, CycleDelay).ok()?),
-                dac_pins,
-                Part::Quad,
-            ),
+            resolver: Ad2s1210::new(Device::new(spi1, select_resolver), resolver_pins),
+            dac: Dac::new(FastWrites::new(Device::new(spi2, select_dac)), dac_pins, Part::Quad),
             interlock_closed: c.pc1.into_pull_down_input().erase_number(),
             stop_released: c.pc2.into_pull_down_input().erase_number(),
             hv_enable,
@@ -228,43 +223,6 @@ fn reset_cause(rcc: &pac::RCC) -> Faults {
     let cause = rcc.csr().read();
     rcc.csr().modify(|_, w| w.rmvf().set_bit());
     if cause.wdgrstf().bit_is_set() || cause.wwdgrstf().bit_is_set() { Faults::ABNORMAL_RESET } else { Faults::empty() }
-}
-
-/// SPI2 at 21 MHz while only written to, at 10.5 MHz to read: the DAC takes 30 MHz, its answers need 90 ns a clock. The
-/// tick only writes, and so waits half as long.
-pub struct FastWrites<D> {
-    device: D,
-    fast: bool,
-}
-
-impl<D> FastWrites<D> {
-    fn new(device: D) -> Self {
-        Self { device, fast: false }
-    }
-
-    fn clock(&mut self, fast: bool) {
-        if fast == self.fast {
-            return;
-        }
-        self.fast = fast;
-        // SAFETY: SPI2 is this device's own, and no transfer runs between two transactions.
-        #[allow(unsafe_code)]
-        let registers = unsafe { &*pac::SPI2::ptr() };
-        registers.cr1().modify(|_, w| w.spe().clear_bit());
-        registers.cr1().modify(|_, w| if fast { w.br().div2() } else { w.br().div4() });
-        registers.cr1().modify(|_, w| w.spe().set_bit());
-    }
-}
-
-impl<D: SpiDevice> hal_spi::ErrorType for FastWrites<D> {
-    type Error = D::Error;
-}
-
-impl<D: SpiDevice> SpiDevice for FastWrites<D> {
-    fn transaction(&mut self, operations: &mut [Operation<'_, u8>]) -> Result<(), D::Error> {
-        self.clock(operations.iter().all(|operation| matches!(operation, Operation::Write(_))));
-        self.device.transaction(operations)
-    }
 }
 
 /// The field monitor: each reading starts the next conversion, so a value is one tick old and none is waited for.

@@ -13,7 +13,7 @@ use stm32f4xx_hal::pac::USART2;
 use stm32f4xx_hal::serial::Tx;
 use stm32f4xx_hal::watchdog::IndependentWatchdog;
 
-use super::board::Ring;
+use super::board::{QUEUE_OFFSETS, Ring};
 use super::log::{self, Log};
 use super::storage::Storage;
 use super::tick::{self, Offset};
@@ -37,7 +37,7 @@ pub struct Link {
     last: Option<Frame>,
     /// The experiment that runs, and where its offsets go.
     sequence: Option<Sequence>,
-    offsets: Producer<'static, Offset>,
+    offsets: Producer<'static, Offset, QUEUE_OFFSETS>,
 }
 
 struct Session {
@@ -52,7 +52,7 @@ impl Link {
         tx: Tx<USART2>,
         storage: Storage,
         config: Config,
-        offsets: Producer<'static, Offset>,
+        offsets: Producer<'static, Offset, QUEUE_OFFSETS>,
     ) -> Self {
         Self {
             ring,

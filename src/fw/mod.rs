@@ -11,6 +11,7 @@ mod board;
 mod link;
 mod log;
 mod safe;
+mod spi;
 mod storage;
 mod tick;
 

@@ -13,7 +13,7 @@ use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::spi;
 use stm32f4xx_hal::timer::{CounterHz, Flag};
 
-use super::board::Hardware;
+use super::board::{Hardware, QUEUE_FRAMES, QUEUE_OFFSETS};
 
 /// Ticks a second.
 const TICK_HZ: u32 = 2000;
@@ -25,8 +25,7 @@ const LATE_CYCLES: u32 = TICK_CYCLES + TICK_CYCLES / 4;
 const SILENT_TICKS: u32 = (SILENCE_S * TICK_HZ as f32) as u32;
 
 /// Why the chips did not come up.
-pub type HardwareError = InitError<DeviceError, DeviceError>;
-type DeviceError = embedded_hal_bus::spi::DeviceError<spi::Error, core::convert::Infallible>;
+pub type HardwareError = InitError<spi::Error, spi::Error>;
 
 /// Where the reference comes from.
 #[derive(Debug)]
@@ -52,8 +51,8 @@ pub enum Offset {
 pub struct Tick {
     servo: Servo<Hardware>,
     timer: CounterHz<pac::TIM2>,
-    frames: Producer<'static, Frame>,
-    offsets: Consumer<'static, Offset>,
+    frames: Producer<'static, Frame, QUEUE_FRAMES>,
+    offsets: Consumer<'static, Offset, QUEUE_OFFSETS>,
     orders: Orders,
     source: Source,
     /// Ticks since the link was heard of.
@@ -71,8 +70,8 @@ static TICK: Mutex<RefCell<Option<Tick>>> = Mutex::new(RefCell::new(None));
 pub fn start(
     servo: Servo<Hardware>,
     mut timer: CounterHz<pac::TIM2>,
-    frames: Producer<'static, Frame>,
-    offsets: Consumer<'static, Offset>,
+    frames: Producer<'static, Frame, QUEUE_FRAMES>,
+    offsets: Consumer<'static, Offset, QUEUE_OFFSETS>,
     reset_faults: Faults,
 ) {
     // 2 kHz divides the timer's clock; a timer that refuses never ticks, and the watchdog says so.
