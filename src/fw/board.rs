@@ -28,7 +28,6 @@ use stm32f4xx_hal::adc::config::{AdcConfig, SampleTime, Sequence};
 use stm32f4xx_hal::dma::traits::{PeriAddress, Stream};
 use stm32f4xx_hal::dma::{DmaChannel, DmaDataSize, DmaDirection, Stream5, StreamsTuple};
 use stm32f4xx_hal::flash::LockedFlash;
-use stm32f4xx_hal::gpio::{Input, Output, PEPin, PushPull};
 use stm32f4xx_hal::pac;
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc;
@@ -38,6 +37,7 @@ use stm32f4xx_hal::spi::Spi;
 use stm32f4xx_hal::timer::{CounterHz, Event};
 use stm32f4xx_hal::watchdog::IndependentWatchdog;
 
+use super::pin::{In, Out};
 use super::spi::{Device, FastWrites};
 use super::storage::Storage;
 use super::tick::Offset;
@@ -62,11 +62,11 @@ const CORE_HZ: u32 = 168_000_000;
 /// What the application loop is wired to.
 pub type Hardware = Wiring<
     Device<pac::SPI1, 'A'>,
-    PEPin<'B', Output<PushPull>>,
+    Out<'B'>,
     FastWrites<Device<pac::SPI2, 'B'>>,
-    PEPin<'C', Output<PushPull>>,
-    PEPin<'C', Input>,
-    PEPin<'C', Output<PushPull>>,
+    Out<'C'>,
+    In<'C'>,
+    Out<'C'>,
     Monitor,
     CycleDelay,
 >;
@@ -121,29 +121,29 @@ impl Board {
 
         let (a, b, c) = (device.GPIOA.split(&mut rcc), device.GPIOB.split(&mut rcc), device.GPIOC.split(&mut rcc));
         // First of all the pins that keep the outputs safe.
-        let hv_enable = c.pc8.into_push_pull_output().erase_number();
-        let clear = c.pc7.into_push_pull_output().erase_number();
+        let hv_enable: Out<'C'> = c.pc8.into_push_pull_output().erase_number().into();
+        let clear: Out<'C'> = c.pc7.into_push_pull_output().erase_number().into();
         let spi1_pins = (Some(a.pa5), Some(a.pa6), Some(a.pa7));
         let spi1 = Spi::new(device.SPI1, spi1_pins, MODE_1, 10_500.kHz(), &mut rcc);
         let spi2_pins = (Some(b.pb13), Some(b.pb14), Some(b.pb15));
         let spi2 = Spi::new(device.SPI2, spi2_pins, MODE_1, 10_500.kHz(), &mut rcc);
-        let select_resolver = a.pa4.into_push_pull_output().erase_number();
-        let select_dac = b.pb12.into_push_pull_output().erase_number();
+        let select_resolver: Out<'A'> = a.pa4.into_push_pull_output().erase_number().into();
+        let select_dac: Out<'B'> = b.pb12.into_push_pull_output().erase_number().into();
         let resolver_pins = ad2s1210::Pins {
-            sample: b.pb0.into_push_pull_output().erase_number(),
-            a0: b.pb1.into_push_pull_output().erase_number(),
-            a1: b.pb2.into_push_pull_output().erase_number(),
-            reset: b.pb10.into_push_pull_output().erase_number(),
+            sample: b.pb0.into_push_pull_output().erase_number().into(),
+            a0: b.pb1.into_push_pull_output().erase_number().into(),
+            a1: b.pb2.into_push_pull_output().erase_number().into(),
+            reset: b.pb10.into_push_pull_output().erase_number().into(),
         };
-        let dac_pins = dac::Pins { ldac: c.pc6.into_push_pull_output().erase_number(), clear };
+        let dac_pins = dac::Pins { ldac: c.pc6.into_push_pull_output().erase_number().into(), clear };
         let wiring = Wiring {
             resolver: Ad2s1210::new(Device::new(spi1, select_resolver), resolver_pins),
             dac: Dac::new(FastWrites::new(Device::new(spi2, select_dac)), dac_pins, Part::Quad),
-            interlock_closed: c.pc1.into_pull_down_input().erase_number(),
-            stop_released: c.pc2.into_pull_down_input().erase_number(),
+            interlock_closed: c.pc1.into_pull_down_input().erase_number().into(),
+            stop_released: c.pc2.into_pull_down_input().erase_number().into(),
             hv_enable,
-            fault_lamp: c.pc9.into_push_pull_output().erase_number(),
-            brake_feedback: c.pc3.into_push_pull_output().erase_number(),
+            fault_lamp: c.pc9.into_push_pull_output().erase_number().into(),
+            brake_feedback: c.pc3.into_push_pull_output().erase_number().into(),
             monitor: Monitor::new(device.ADC1, c.pc0.into_analog(), &mut rcc),
             delay: CycleDelay,
         };

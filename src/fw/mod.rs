@@ -10,6 +10,7 @@
 mod board;
 mod link;
 mod log;
+mod pin;
 mod safe;
 mod spi;
 mod storage;

@@ -1,20 +1,23 @@
 //! The two SPI buses, each with its one chip, without a path to a panic: the tick runs through here.
 
+use embedded_hal::digital::OutputPin;
 use embedded_hal::spi::{ErrorType, Operation, SpiDevice};
-use stm32f4xx_hal::gpio::{Output, PEPin, PushPull};
 use stm32f4xx_hal::pac;
 use stm32f4xx_hal::spi::{Error, Instance, Spi};
+
+use super::pin::Out;
 
 /// A bus and the select line of its chip.
 pub struct Device<S: Instance, const PORT: char> {
     spi: Spi<S>,
-    select: PEPin<PORT, Output<PushPull>>,
+    select: Out<PORT>,
 }
 
 impl<S: Instance, const PORT: char> Device<S, PORT> {
     /// The bus, with its chip not selected.
-    pub fn new(spi: Spi<S>, mut select: PEPin<PORT, Output<PushPull>>) -> Self {
-        select.set_high();
+    pub fn new(spi: Spi<S>, mut select: Out<PORT>) -> Self {
+        // These pins cannot fail.
+        let _ = select.set_high();
         Self { spi, select }
     }
 
@@ -73,9 +76,9 @@ impl<S: Instance, const PORT: char> ErrorType for Device<S, PORT> {
 
 impl<S: Instance, const PORT: char> SpiDevice for Device<S, PORT> {
     fn transaction(&mut self, operations: &mut [Operation<'_, u8>]) -> Result<(), Error> {
-        self.select.set_low();
+        let _ = self.select.set_low();
         let outcome = operations.iter_mut().try_for_each(|operation| self.carry_out(operation));
-        self.select.set_high();
+        let _ = self.select.set_high();
         outcome
     }
 }
