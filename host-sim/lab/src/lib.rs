@@ -7,6 +7,7 @@ pub mod cli;
 pub mod error;
 pub mod output;
 pub mod plot;
+pub mod progress;
 pub mod read;
 pub mod replay;
 pub mod report;

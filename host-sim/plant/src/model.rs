@@ -108,6 +108,9 @@ pub struct FieldResponse {
     pub fall_s: f64,
 }
 
+/// A slew limit beyond this is none: 3.5 kV/mm pass in 35 ns, and the formulas of a ramp would lose their digits.
+const FASTEST_SLEW_KV_MM_S: f64 = 1e8;
+
 impl FieldResponse {
     /// Dead time and one lag for both directions, s.
     pub fn new(dead_time_s: f64, lag_s: f64) -> Self {
@@ -215,7 +218,14 @@ impl Er {
                 not_negative("er.dead_time_s", field.dead_time_s)?;
                 not_negative("er.rise_s", field.rise_s)?;
                 not_negative("er.fall_s", field.fall_s)?;
-                field.slew_kv_mm_s.map_or(Ok(()), |slew| positive("er.slew_kv_mm_s", slew))
+                field.slew_kv_mm_s.map_or(Ok(()), |slew| {
+                    check(
+                        "er.slew_kv_mm_s",
+                        slew,
+                        slew > 0.0 && slew <= FASTEST_SLEW_KV_MM_S,
+                        "above 0 and at most 1e8",
+                    )
+                })
             }
             FluidResponse::ViscosityDeadTime { dead_time_s: time_s, torque_limit }
             | FluidResponse::ViscosityLag { lag_s: time_s, torque_limit } => {

@@ -9,7 +9,7 @@ use plant::{Command, Mechanics, State, Timeline};
 #[test]
 fn half_the_step_changes_nothing() {
     let mut worst = Vec::new();
-    for (name, model) in every_effect() {
+    for (name, model) in every_effect().into_iter().chain(common::combinations()) {
         let whole = run(&model, 2000, 1);
         let (halves, sevenths) = (distance(&whole, &run(&model, 2000, 2)), distance(&whole, &run(&model, 2000, 7)));
         println!("{name}: half step {halves:.1e} rad, a seventh {sevenths:.1e} rad; moved {:.3}", whole[1999].position);
@@ -39,5 +39,31 @@ fn open_loop_repeats_closed_loop() {
         mechanics.simulate(&timeline, start_s, closed[from - 1], &times_s[from..], rest).unwrap();
         let error = closed[from..].iter().zip(&rest[1..]).map(|(s, p)| (s.position - p).abs()).fold(0.0, f64::max);
         assert!(error < 1e-12, "{name} from the middle: {error:e} rad");
+    }
+}
+
+#[test]
+fn effects_that_vanish_leave_the_nominal_machine() {
+    let nominal = run(&common::nominal(), 2000, 1);
+    for (name, model, tolerance) in common::vanishing_effects() {
+        let error = distance(&nominal, &run(&model, 2000, 1));
+        println!("{name}: {error:.1e} rad from nominal");
+        assert!(error <= tolerance, "{name}: {error:e} rad");
+    }
+}
+
+#[test]
+fn stiff_springs_and_fast_slews_approach_the_nominal_machine() {
+    let nominal = run(&common::nominal(), 2000, 1);
+    type Build = fn(f64) -> plant::Model;
+    let families: [(&str, Build); 3] = [
+        ("presliding", |k| plant::Model { presliding_stiffness: Some(k), ..common::nominal() }),
+        ("er_preyield", |k| common::fluid(|er| er.preyield_stiffness = Some(k))),
+        ("field_slew_limit", |k| common::field(|field| field.slew_kv_mm_s = Some(k))),
+    ];
+    for (name, build) in families {
+        let errors = [1e3, 1e4, 1e5, 1e6].map(|k| distance(&nominal, &run(&build(k), 2000, 1)));
+        println!("{name} at 1e3, 1e4, 1e5, 1e6: {errors:?} rad from nominal");
+        assert!(errors.is_sorted_by(|rough, fine| rough > fine) && errors[3] < 1e-3, "{name}: {errors:?}");
     }
 }

@@ -2,14 +2,14 @@
 
 use std::path::PathBuf;
 
-use crate::Error;
 use crate::read::{Machine, Recording};
 use crate::replay::replay;
+use crate::{Error, output};
 
 /// Flags of `replay`.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// Machine file whose [controller] ran; without one, the law's defaults.
+    /// Machine file whose section `controller` ran; without one, the law's defaults.
     #[arg(long, value_name = "FILE")]
     machine: Option<PathBuf>,
     /// Recordings, CSV or Parquet.
@@ -33,7 +33,7 @@ pub fn run(args: &Args) -> Result<(), Error> {
     };
     for file in &args.recordings {
         let recording = Recording::read(file, axis)?;
-        println!("{}: {}", file.display(), replay(&recording, &config)?);
+        output::print(&format!("{}: {}\n", file.display(), replay(&recording, &config)?))?;
     }
     Ok(())
 }

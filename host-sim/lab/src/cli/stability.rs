@@ -10,11 +10,11 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 use er_servo::Config;
 
-use crate::Error;
 use crate::read::Machine;
 use crate::stability::analysis::{Setting, analyse};
 use crate::stability::region::Window;
 use crate::stability::{Fluid, Gains, Loop, LoopError, NormalisedGains, Plant};
+use crate::{Error, output};
 
 /// Delay model of the fluid.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -77,13 +77,13 @@ pub fn run(args: &StabilityArgs) -> Result<(), Error> {
     let (analysis, regions) = analyse(&closed, &setting).map_err(usage)?;
     if let Some(file) = &args.plot {
         let figure = figure::draw(&analysis, &regions).map_err(|reason| cannot_write(file, reason))?;
-        write(file, figure.as_bytes())?;
+        output::write(file, |to| to.write_all(figure.as_bytes()))?;
     }
     let json = args.json.as_deref().map(|file| (file, file == Path::new("-")));
     if let Some((file, to_stdout)) = json {
         let mut text = serde_json::to_string_pretty(&analysis).map_err(|reason| cannot_write(file, reason))?;
         text.push('\n');
-        if to_stdout { print(&text)? } else { write(file, text.as_bytes())? }
+        if to_stdout { print(&text)? } else { output::write(file, |to| to.write_all(text.as_bytes()))? }
     }
     if json.is_none_or(|(_, to_stdout)| !to_stdout) {
         print(&text::summary(&analysis))?;
@@ -146,14 +146,4 @@ fn print(text: &str) -> Result<(), Error> {
         }
         _ => Ok(()),
     }
-}
-
-/// Writes beside the file and renames, so that the file there before stays whole if anything fails.
-fn write(file: &Path, bytes: &[u8]) -> Result<(), Error> {
-    let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let written = tempfile::NamedTempFile::new_in(folder).and_then(|mut temporary| {
-        temporary.write_all(bytes)?;
-        temporary.persist(file).map_err(|failed| failed.error)
-    });
-    written.map(|_| ()).map_err(|reason| cannot_write(file, reason))
 }

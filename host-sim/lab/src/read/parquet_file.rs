@@ -6,7 +6,7 @@ mod quiet;
 use std::fs::File;
 use std::path::Path;
 
-use parquet::file::reader::FileReader;
+use parquet::file::reader::{ChunkReader, FileReader};
 use parquet::file::serialized_reader::SerializedFileReader;
 
 use super::columns::{Complaint, Header};
@@ -20,6 +20,15 @@ const MOST_ROWS: usize = 100_000_000;
 /// Reads the recording in `file`; the axis is `expected`, where a machine tells, and follows the units otherwise.
 pub(crate) fn read(file: &Path, expected: Option<AxisKind>) -> Result<Recording, Error> {
     let input = File::open(file).map_err(|error| Error::input(file, None, "", format!("cannot open: {error}")))?;
+    read_from(file, input, expected)
+}
+
+/// Reads a recording from anything that holds a Parquet file; `file` names it in messages.
+pub(crate) fn read_from(
+    file: &Path,
+    input: impl ChunkReader + 'static,
+    expected: Option<AxisKind>,
+) -> Result<Recording, Error> {
     let read = quiet::caught(|| read_columns(input, expected)).unwrap_or_else(|| Err(corrupt("damaged pages")));
     let (header, values) = read.map_err(|Complaint { column, message }| Error::input(file, None, &column, message))?;
     Recording::assemble(file, header, values)
@@ -31,7 +40,10 @@ fn corrupt(reason: impl std::fmt::Display) -> Complaint {
     Complaint::new("", format!("is not a Parquet file that can be read, or was cut short: {reason}"))
 }
 
-fn read_columns(input: File, expected: Option<AxisKind>) -> Result<(Header, Vec<Values>), Complaint> {
+fn read_columns(
+    input: impl ChunkReader + 'static,
+    expected: Option<AxisKind>,
+) -> Result<(Header, Vec<Values>), Complaint> {
     let reader = SerializedFileReader::new(input).map_err(corrupt)?;
     let schema = reader.metadata().file_metadata().schema_descr();
     let mut names = Vec::with_capacity(schema.num_columns());

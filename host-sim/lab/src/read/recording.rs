@@ -4,6 +4,8 @@ use std::ffi::OsStr;
 use std::io::Cursor;
 use std::path::Path;
 
+use bytes::Bytes;
+
 use super::columns::Header;
 use super::nearest::misspelt;
 use super::values::Values;
@@ -150,6 +152,15 @@ impl Recording {
     /// As [`Recording::read`].
     pub fn from_csv_bytes(file: &Path, bytes: &[u8], expected: Option<AxisKind>) -> Result<Self, Error> {
         csv_file::read_from(file, Cursor::new(bytes), expected)
+    }
+
+    /// Reads a recording from the bytes of a Parquet file; `file` names it in messages.
+    ///
+    /// # Errors
+    ///
+    /// As [`Recording::read`].
+    pub fn from_parquet_bytes(file: &Path, bytes: &[u8], expected: Option<AxisKind>) -> Result<Self, Error> {
+        parquet_file::read_from(file, Bytes::copy_from_slice(bytes), expected)
     }
 
     /// Number of rows, at least one.

@@ -121,7 +121,7 @@ impl Friction {
 
     /// Longest step over which the laws are smooth, s, at speed `w` and an acceleration of at most `acceleration`.
     pub(crate) fn longest_step(&self, sign: f64, w: f64, bristle: f64, acceleration: f64, inertia: f64) -> f64 {
-        let mut step = 0.5 * inertia / (self.viscous(sign) + 2.0 * self.quadratic * w.abs());
+        let mut step = 0.25 * inertia / (self.viscous(sign) + 2.0 * self.quadratic * w.abs());
         if self.stribeck.excess > 0.0 {
             // Beyond seven times its velocity nothing is left of it.
             let beyond = w.abs() - 7.0 * self.stribeck.velocity;

@@ -99,7 +99,7 @@ impl PositionTorque {
     pub(crate) fn longest_step(&self, w: f64, acceleration: f64, inertia: f64) -> f64 {
         let mut step = f64::INFINITY;
         if self.steepest > 0.0 {
-            step = 0.5 * (inertia / self.steepest).sqrt();
+            step = 0.25 * (inertia / self.steepest).sqrt();
         }
         if self.highest_order > 0.0 {
             step = step.min(travel_time(1.0 / self.highest_order, w.abs(), acceleration));

@@ -11,7 +11,7 @@ pub(crate) const NODES: usize = 4;
 /// Iterations after which a step that is short enough has converged.
 const MOST_ITERATIONS: usize = 30;
 
-/// Relative change of the accelerations at which the iteration stops. Speeds then change by this times h.
+/// Relative error of the accelerations at which the iteration stops. Speeds are then wrong by this times h.
 const TOLERANCE: f64 = 1e-13;
 
 /// Weights of the method.
@@ -63,6 +63,7 @@ impl Collocation {
         acceleration: impl Fn(usize, &[f64; N], &[f64; N]) -> [f64; N],
     ) -> ([f64; N], [f64; N]) {
         let mut found = [guess; NODES];
+        let mut change_before = 0.0;
         for _ in 0..MOST_ITERATIONS {
             let mut change = 0.0_f64;
             let mut largest = 0.0_f64;
@@ -78,9 +79,12 @@ impl Collocation {
                     largest = largest.max(found[node][body].abs());
                 }
             }
-            if change <= TOLERANCE * (1.0 + largest) {
+            // The iteration contracts, so the next change would be this one times the ratio of the last two.
+            let allowed = TOLERANCE * (1.0 + largest);
+            if change <= allowed || change * change <= allowed * change_before {
                 break;
             }
+            change_before = change;
         }
         let speed = std::array::from_fn(|body| v[body] + h * dot(&self.last_speed, &found, body));
         let position = std::array::from_fn(|body| q[body] + h * (v[body] + h * dot(&self.last_position, &found, body)));

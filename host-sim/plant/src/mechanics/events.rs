@@ -83,9 +83,9 @@ fn rest<F: Flow>(flow: &F, segment: &Segment, t: f64, to_s: f64, x: &mut State) 
     if let Some(left) = leave_within(flow, segment, t, x, h, &next) {
         (h, end, next) = (left.0, t + left.0, left.1);
     }
-    let margin = |h: f64| flow.rest_balance(segment, t + h, &flow.step(segment, t, x, h)).margin();
-    let last = margin(h);
+    let last = flow.rest_balance(segment, end, &next).margin();
     if last < 0.0 {
+        let margin = |h: f64| flow.rest_balance(segment, t + h, &flow.step(segment, t, x, h)).margin();
         let h = root(margin, (0.0, balance.margin()), (h, last)).max(LEAST_ADVANCE_S).min(h);
         end = t + h;
         next = flow.step(segment, t, x, h);
@@ -167,7 +167,8 @@ fn stop_within<F: Flow>(flow: &F, segment: &Segment, t: f64, x: &State, h: f64, 
     let start = sign * x.velocity;
     let end = sign * next.velocity;
     let first_slope = sign * flow.acceleration(segment, t, x);
-    // No slope in the step is steeper than twice the first one downwards when the speed stays this far away.
+    // The nominal speed never falls faster than at the start and rises again within a step (see above), which bounds its
+    // dip by the first slope; the factor two is a margin for the other laws.
     if end > 0.0 && start + 2.0 * first_slope * h > 0.0 {
         return Stop::Never;
     }

@@ -135,7 +135,7 @@ impl FluidLaw {
     /// Longest step for the spring, s.
     pub(crate) fn longest_step(&self, inertia: f64) -> f64 {
         match *self {
-            FluidLaw::Spring { stiffness, .. } => 0.5 * (inertia / stiffness).sqrt(),
+            FluidLaw::Spring { stiffness, .. } => 0.25 * (inertia / stiffness).sqrt(),
             _ => f64::INFINITY,
         }
     }

@@ -43,6 +43,11 @@ impl Mechanics {
         Ok(Self { path, sensor: model.sensor.clone() })
     }
 
+    /// The systematic part of the sensor.
+    pub fn sensor(&self) -> &SensorModel {
+        &self.sensor
+    }
+
     /// Moves `state` through `segment` from `from_s` to `to_s`, absolute times within it.
     #[inline]
     pub(crate) fn run(&self, segment: &Segment, from_s: f64, to_s: f64, state: &mut State) {
@@ -66,7 +71,7 @@ impl Mechanics {
         &self,
         timeline: &Timeline,
         start_s: f64,
-        mut state: State,
+        state: State,
         sample_times_s: &[f64],
         positions: &mut [f64],
     ) -> Result<State, Error> {
@@ -74,6 +79,7 @@ impl Mechanics {
             let (left_len, right_len) = (sample_times_s.len(), positions.len());
             return Err(Error::Length { left: "sample_times_s", left_len, right: "positions", right_len });
         }
+        let mut state = state.with_motion();
         let mut now_s = start_s - self.sensor.latency_s;
         let mut cursor = timeline.at(now_s);
         for (&sample_s, position) in sample_times_s.iter().zip(positions) {

@@ -77,6 +77,14 @@ impl State {
         }
     }
 
+    /// With the sliding direction of its speed, whoever wrote that.
+    pub(crate) fn with_motion(mut self) -> Self {
+        if self.velocity != 0.0 {
+            self.motion = Motion::along(self.velocity);
+        }
+        self
+    }
+
     /// Sliding direction.
     pub fn motion(&self) -> Motion {
         self.motion

@@ -1,4 +1,5 @@
-//! The stable regions in the plane of the normalised gains, as Fig. 9 of the paper.
+//! The stable regions in the plane of the normalised gains, as Fig. 9 of the paper: closed curves in its three styles of
+//! line, which the panels of [`crate::plot`], made for long recordings, do not draw.
 
 use plotters::prelude::*;
 use std::error::Error;
