@@ -1,6 +1,7 @@
 //! One file for each command: its flags and what it does with them.
 
 mod compare;
+mod decode;
 mod demo;
 mod machine;
 mod replay;
@@ -25,6 +26,8 @@ enum Command {
     Replay(replay::Args),
     /// Drive the nominal model with the recorded commands; show where the position disagrees.
     Compare(compare::Args),
+    /// Turn the log of the image (RTT bytes) into a recording.
+    Decode(decode::Args),
     /// Stability of the linear loop by four methods: margins, limits, area, picture.
     Stability(stability::StabilityArgs),
     /// Do the main job on embedded data: loop, recording with something left out of the model, comparison.
@@ -41,6 +44,7 @@ impl Cli {
             Command::Simulate(args) => simulate::run(args),
             Command::Replay(args) => replay::run(args),
             Command::Compare(args) => compare::run(args),
+            Command::Decode(args) => decode::run(args),
             Command::Stability(args) => stability::run(args),
             Command::Demo(args) => demo::run(args),
         }
