@@ -3,6 +3,7 @@
 mod compare;
 mod demo;
 mod machine;
+mod paper;
 mod replay;
 mod simulate;
 mod stability;
@@ -27,6 +28,8 @@ enum Command {
     Compare(compare::Args),
     /// Stability of the linear loop by four methods: margins, limits, area, picture.
     Stability(stability::StabilityArgs),
+    /// Reproduce the paper: its figures, and a table of what became of each claim.
+    Paper(paper::Args),
     /// Do the main job on embedded data: loop, recording with something left out of the model, comparison.
     Demo(demo::Args),
 }
@@ -42,6 +45,7 @@ impl Cli {
             Command::Replay(args) => replay::run(args),
             Command::Compare(args) => compare::run(args),
             Command::Stability(args) => stability::run(args),
+            Command::Paper(args) => paper::run(args),
             Command::Demo(args) => demo::run(args),
         }
     }
