@@ -24,13 +24,11 @@ pub fn run(args: &Args) -> Result<(), Error> {
         named.figure.write(&args.out.join(named.file))?;
     }
     let file = args.out.join("claims.md");
-    output::write_text(&file, &table::markdown(&paper.claims))?;
+    output::write_text(&file, &table::markdown(&paper))?;
     output::print(&format!(
-        "{}\n\n{}{} figures and {} written to {}\n{}.\n",
-        table::PREAMBLE,
-        table::plain(&paper.claims),
+        "{}{} figures and claims.md written to {}\n{}.\n",
+        table::plain(&paper),
         paper.figures.len(),
-        "claims.md",
         args.out.display(),
         figures::LEFT_OUT
     ))

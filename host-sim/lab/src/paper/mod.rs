@@ -18,6 +18,10 @@ pub struct Reproduction {
     pub claims: Vec<Claim>,
     /// Each figure that can be made.
     pub figures: Vec<NamedFigure>,
+    /// Runs of the scan.
+    pub runs: usize,
+    /// Places of the scan that decide nothing: friction holds the rotor against the whole step.
+    pub held: usize,
 }
 
 /// Reproduces the paper; some thousands of runs on all cores.
@@ -27,5 +31,6 @@ pub struct Reproduction {
 pub fn reproduce() -> Result<Reproduction, Error> {
     let progress = Progress::new("the paper", scan::size() as u64 + claims::GROUPS);
     let scan = scan::scan(&progress)?;
-    Ok(Reproduction { claims: claims::test_all(&scan, &progress)?, figures: figures::all()? })
+    let claims = claims::test_all(&scan, &progress)?;
+    Ok(Reproduction { claims, figures: figures::all()?, runs: scan.runs, held: scan.held })
 }

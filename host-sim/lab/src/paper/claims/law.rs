@@ -38,7 +38,8 @@ fn linear() -> Claim {
     let figures = [1.0, 5.0, 10.0].map(|q| {
         let worst = if departure(q) < 1e-9 { "below 1e-9".to_owned() } else { format!("{:.1e}", departure(q)) };
         let end = most_nm / q;
-        let end = if end > 1.5 { "up to 1.5 rad/s".to_owned() } else { format!("up to {end:.4} rad/s, saturated above") };
+        let end =
+            if end > 1.5 { "up to 1.5 rad/s".to_owned() } else { format!("up to {end:.4} rad/s, saturated above") };
         format!("Q {q} N m s/rad: off the line by {worst} N m, {end}")
     });
     Claim {
@@ -79,9 +80,21 @@ fn growing() -> Claim {
         test: "slope of (5), and the field on either side of 1.5 rad/s",
         range: "0 to 1.5 rad/s".to_owned(),
         figures: vec![
-            format!("Q {:.3} N m s/rad at rest, least {:.5} at {:.2} rad/s, {:.5} at 1.5", q(0.0), least.1, least.0, q(1.5)),
-            format!("the field jumps from 0 to {:.3} kV/mm as the speed falls through 1.5 rad/s", field_for_kv_mm(q(1.5), 1.5)),
+            format!(
+                "Q {:.3} N m s/rad at rest, least {:.5} at {:.2} rad/s, {:.5} at 1.5",
+                q(0.0),
+                least.1,
+                least.0,
+                q(1.5)
+            ),
+            format!(
+                "the field jumps from 0 to {:.3} kV/mm as the speed falls through 1.5 rad/s",
+                field_for_kv_mm(q(1.5), 1.5)
+            ),
         ],
-        verdict: Verdict::HoldsOnly(format!("below {:.2} rad/s; from there to 1.5 Q falls as the motor slows down", least.0)),
+        verdict: Verdict::HoldsOnly(format!(
+            "below {:.2} rad/s; from there to 1.5 Q falls as the motor slows down",
+            least.0
+        )),
     }
 }

@@ -51,13 +51,8 @@ pub struct Claim {
 /// # Errors
 /// A value the law, the plant or the stability analysis does not take.
 pub fn test_all(scan: &Scan, progress: &Progress) -> Result<Vec<Claim>, Error> {
-    let groups: [&dyn Fn() -> Result<Vec<Claim>, Error>; 5] = [
-        &|| Ok(law::claims()),
-        &brake::claims,
-        &region::claims,
-        &robustness::claims,
-        &|| delays::claims(scan),
-    ];
+    let groups: [&dyn Fn() -> Result<Vec<Claim>, Error>; 5] =
+        [&|| Ok(law::claims()), &brake::claims, &region::claims, &robustness::claims, &|| delays::claims(scan)];
     let mut claims = Vec::new();
     for group in groups {
         claims.extend(group()?);
@@ -133,7 +128,7 @@ fn ranges(delays_s: &[f64]) -> String {
 }
 
 /// `5.0000` as `5`, in a text of such numbers.
-fn trim_zeros(text: &str) -> String {
+pub(super) fn trim_zeros(text: &str) -> String {
     let words = text.split(' ').map(|word| match word.contains('.') {
         true => word.trim_end_matches('0').trim_end_matches('.'),
         false => word,
@@ -146,16 +141,7 @@ fn refused(error: LoopError) -> Error {
     Error::Usage(error.to_string())
 }
 
-/// The range of section VI: delays and steps, in words.
-fn scanned(scan: &Scan) -> String {
-    let delays: Vec<String> = GAINS_DELAYS_S.iter().map(|delay| trim_zeros(&format!("{:.4}", delay * 1e3))).collect();
-    let steps: Vec<String> = STEPS_RAD.iter().map(|step| trim_zeros(&format!("{step:.4}"))).collect();
-    format!(
-        "L {} ms times steps of {} rad, plant as slow as the gains assume ({} runs in all with slower plants and speed \
-         from counts; {} places where friction holds the rotor left out)",
-        delays.join(", "),
-        steps.join(", "),
-        scan.runs,
-        scan.held
-    )
+/// The range of section VI in short; [`super::table::preamble`] has it in full.
+fn scanned(places: usize) -> String {
+    format!("L 1.5 to 10 ms times steps of 5.5 mrad to 1 rad, plant as the gains assume: {places} places")
 }

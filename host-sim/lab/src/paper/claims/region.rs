@@ -29,10 +29,7 @@ pub(super) fn closed(torque_delay_s: f64, q0: f64, q1: f64, fluid: Fluid) -> Res
 }
 
 pub(super) fn claims() -> Result<Vec<Claim>, Error> {
-    [first_quadrant, smaller, inside, little_affected]
-        .into_par_iter()
-        .map(|test| test().map_err(refused))
-        .collect()
+    [first_quadrant, smaller, inside, little_affected].into_par_iter().map(|test| test().map_err(refused)).collect()
 }
 
 fn first_quadrant() -> Result<Claim, LoopError> {
@@ -59,7 +56,8 @@ fn first_quadrant() -> Result<Claim, LoopError> {
     let verdict = match stable {
         0 => Verdict::Holds,
         _ => Verdict::DoesNotHold(
-            "a convention, not a theorem: the rule is of polynomials, and viscosity damps where K_D does not".to_owned(),
+            "a convention, not a theorem: the rule is of polynomials, and viscosity damps where K_D does not"
+                .to_owned(),
         ),
     };
     Ok(Claim {
@@ -162,7 +160,8 @@ fn little_affected() -> Result<Claim, LoopError> {
     ] {
         let q0 = if q1 == 0.0 { 0.0 } else { 0.2 };
         let Some(found) = margins(&closed(DELAY_S, q0, q1, fluid)?) else { continue };
-        let number = |value: Option<f64>, decimals: usize| value.map_or("none".to_owned(), |v| format!("{v:.decimals$}"));
+        let number =
+            |value: Option<f64>, decimals: usize| value.map_or("none".to_owned(), |v| format!("{v:.decimals$}"));
         figures.push(format!(
             "{name}: gain margin {}, phase margin {} degrees, delay margin {} times L",
             number(found.gain, 2),

@@ -66,7 +66,8 @@ fn slow_plant() -> Result<NamedFigure, Error> {
 
 fn torque() -> Result<NamedFigure, Error> {
     let runs = runs(vec![("E dead 2 + lag 3 ms".to_owned(), Case { fluid: Fluid::EDead2Lag3, ..Case::PAPER })])?;
-    let panels = vec![panel("motor torque command (N m)", Mark::Step, &runs, SHOWN_S, |row| f64::from(row.outputs.torque_nm))];
+    let panels =
+        vec![panel("motor torque command (N m)", Mark::Step, &runs, SHOWN_S, |row| f64::from(row.outputs.torque_nm))];
     let figure = Figure { title: "Fig. 18: torque of Fig. 17".to_owned(), panels };
     Ok(NamedFigure { file: "fig18.svg", figure })
 }

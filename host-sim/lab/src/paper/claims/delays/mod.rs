@@ -1,12 +1,13 @@
 //! Section VI: the step responses under each delay model. What is judged over the range of the scan is here; runs made
-//! for one claim are in [`apart`].
+//! for one claim are in [`apart`] and [`overshoot`].
 
 mod apart;
+mod overshoot;
 
-use super::{Claim, Verdict, Where, scanned};
+use super::{Claim, Where, scanned};
 use crate::Error;
 use crate::paper::case::{Fluid, STEP_RAD, Speed};
-use crate::paper::scan::{Cell, Outcome, SLOWNESSES, Scan};
+use crate::paper::scan::{Cell, Outcome, Scan};
 
 /// Overshoots this far apart are different, share of the step: the settling band.
 const OVERSHOOT: f64 = 0.02;
@@ -21,7 +22,7 @@ pub(super) fn claims(scan: &Scan) -> Result<Vec<Claim>, Error> {
         channels_agree(scan),
         e_dead_time_vibrates(scan),
         q_lag_is_harmless(scan),
-        e_lag_overshoots(scan),
+        overshoot::of_the_e_lag(scan)?,
         apart::field_comes_short()?,
         apart::cannot_return()?,
         e_lag_is_not_q_lag(scan),
@@ -59,7 +60,7 @@ fn described(cell: &Cell, fluid: Fluid) -> String {
     let response = &cell.of(fluid).response;
     let settling = response.settling_s.map_or("never".to_owned(), |s| format!("{:.1} ms", s * 1e3));
     format!(
-        "{}: overshoot {:.2} %, settles {settling}, residual {:.2} u, {} dips",
+        "{}: overshoot {:.2} %, settles {settling}, residual {:.2} u, dips {}",
         fluid.name(),
         100.0 * response.overshoot,
         response.residual_u,
@@ -94,7 +95,7 @@ fn over_the_scan(scan: &Scan, text: Text, more: Vec<String>, holds: impl Fn(&Cel
         section: text.section,
         statement: text.statement,
         test: text.test,
-        range: scanned(scan),
+        range: scanned(found.of),
         figures,
         verdict: found.verdict(),
     }
@@ -172,55 +173,6 @@ fn q_lag_is_harmless(scan: &Scan) -> Claim {
         furthest(scan, Fluid::QLag5),
     ];
     over_the_scan(scan, text, more, |cell| near_dead(cell) && near_none(cell))
-}
-
-/// How much further than without delay.
-fn more_overshoot(cell: &Cell, fluid: Fluid) -> f64 {
-    cell.of(fluid).response.overshoot - cell.of(Fluid::None).response.overshoot
-}
-
-fn e_lag_overshoots(scan: &Scan) -> Claim {
-    let mut figures = Vec::new();
-    let mut found = Vec::new();
-    for slowness in SLOWNESSES {
-        let by = |speed| Where::of(scan.at(speed, slowness), |cell| more_overshoot(cell, Fluid::ELag5) >= OVERSHOOT);
-        let most =
-            scan.at(Speed::True, slowness).map(|cell| more_overshoot(cell, Fluid::ELag5)).fold(f64::NEG_INFINITY, f64::max);
-        let places = by(Speed::True);
-        figures.push(format!(
-            "plant delay {slowness} times the gains' L: at {places} places, at most {:.2} % more; with the speed from \
-             counts at {}",
-            100.0 * most,
-            by(Speed::Counts)
-        ));
-        found.push(places);
-    }
-    let slow_step = |cell: &&Cell| cell.point.gains_delay_s == 0.002 && cell.point.step_rad == 0.0055;
-    for cell in scan.at(Speed::True, 2.2).filter(slow_step) {
-        let models = [Fluid::Off, Fluid::None, Fluid::EDead5, Fluid::EDead2Lag3, Fluid::ELag5];
-        let list = models.map(|fluid| format!("{} {:.2} %", fluid.name(), 100.0 * cell.of(fluid).response.overshoot));
-        figures.push(format!("gains for 2 ms, plant 4.4 ms, 5.5 mrad: {}", list.join(", ")));
-    }
-    let verdict = match &found[..] {
-        [as_assumed, slower @ ..] if as_assumed.holds == 0 && slower.iter().any(|places| places.holds > 0) => {
-            let slower: Vec<String> = slower.iter().map(ToString::to_string).collect();
-            Verdict::HoldsOnly(format!(
-                "when the plant is slower than the gains assume (1.5 and 2.2 times: at {} places); at none with the plant \
-                 as they assume",
-                slower.join(" and ")
-            ))
-        }
-        [as_assumed, ..] => as_assumed.verdict(),
-        [] => Verdict::NotTestable("nothing was scanned".to_owned()),
-    };
-    Claim {
-        section: "VI-E, Fig. 16",
-        statement: "A lag of 5 ms in E leaves too little damping and so a large overshoot",
-        test: "overshoot at least 2 % of the step more than without delay",
-        range: format!("{}; and plants slower by 1.5 and 2.2", scanned(scan)),
-        figures,
-        verdict,
-    }
 }
 
 fn e_lag_is_not_q_lag(scan: &Scan) -> Claim {
