@@ -7,6 +7,7 @@ pub mod cli;
 pub mod decode;
 pub mod error;
 pub mod output;
+pub mod paper;
 pub mod plot;
 pub mod progress;
 pub mod read;

@@ -4,6 +4,7 @@ mod compare;
 mod decode;
 mod demo;
 mod machine;
+mod paper;
 mod replay;
 mod simulate;
 mod stability;
@@ -30,6 +31,8 @@ enum Command {
     Decode(decode::Args),
     /// Stability of the linear loop by four methods: margins, limits, area, picture.
     Stability(stability::StabilityArgs),
+    /// Reproduce the paper: its figures, and a table of what became of each claim.
+    Paper(paper::Args),
     /// Do the main job on embedded data: loop, recording with something left out of the model, comparison.
     Demo(demo::Args),
 }
@@ -46,6 +49,7 @@ impl Cli {
             Command::Compare(args) => compare::run(args),
             Command::Decode(args) => decode::run(args),
             Command::Stability(args) => stability::run(args),
+            Command::Paper(args) => paper::run(args),
             Command::Demo(args) => demo::run(args),
         }
     }
