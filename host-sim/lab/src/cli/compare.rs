@@ -2,10 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::Error;
 use crate::read::{Machine, Recording};
 use crate::report::compare::Comparison;
 use crate::simulate::nominal;
+use crate::{Error, output};
 
 /// Flags of `compare`.
 #[derive(Debug, clap::Args)]
@@ -36,11 +36,12 @@ pub fn run(args: &Args) -> Result<(), Error> {
         .map(|recording| Comparison::new(&model, &machine.axis, recording))
         .collect::<Result<_, _>>()?;
     for (recording, comparison) in recordings.iter().zip(&comparisons) {
-        print!("{comparison}");
+        let notes: String = recording.notes().iter().map(|note| format!("note: {note}\n")).collect();
+        output::print(&format!("{notes}{comparison}"))?;
         let stem = Path::new(&recording.name).file_stem().unwrap_or_default().to_string_lossy();
         let file = args.plots.join(format!("compare-{stem}.svg"));
         comparison.figure(&format!("{} without what {} left out", recording.name, machine.name)).write(&file)?;
-        println!("wrote {}", file.display());
+        output::print(&format!("wrote {}\n", file.display()))?;
     }
     Ok(())
 }
