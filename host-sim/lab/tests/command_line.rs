@@ -154,7 +154,7 @@ fn every_scenario_simulates_writes_and_replays() {
 fn compare_writes_a_picture_a_recording_and_demo_the_lot() {
     let folder = folder();
     let text = printed(folder.path(), "compare --machine machine.toml run.csv");
-    assert!(text.starts_with("run.csv: 600 rows, 0.299 s, 0 gaps\n") || text.contains("600 rows"), "{text}");
+    assert!(text.starts_with("run.csv: 600 rows, 0.299 s, 0 gaps\n"), "{text}");
     let svg = fs::read_to_string(folder.path().join("compare-run.svg")).unwrap();
     assert!(svg.contains("<svg") && svg.contains("time (s)"));
     let text = printed(folder.path(), "demo --out demo");
@@ -162,6 +162,27 @@ fn compare_writes_a_picture_a_recording_and_demo_the_lot() {
         assert!(text.contains(file) && folder.path().join("demo").join(file).is_file(), "{file}: {text}");
     }
     assert!(printed(folder.path(), "replay demo/demo.csv").ends_with("identical, 16000 rows\n"));
+}
+
+#[test]
+fn columns_the_format_does_not_know_and_missing_rows_are_reported() {
+    let folder = folder();
+    let run = fs::read_to_string(folder.path().join("run.csv")).unwrap();
+    let noted = run.lines().enumerate().filter(|(line, _)| *line != 50);
+    let noted: String =
+        noted.map(|(line, row)| format!("{row},{}\n", if line == 0 { "humidity" } else { "3" })).collect();
+    fs::write(folder.path().join("noted.csv"), noted).unwrap();
+    for line in ["replay noted.csv", "compare --machine machine.toml noted.csv"] {
+        let text = printed(folder.path(), line);
+        assert!(
+            text.contains("note: noted.csv: column `humidity` is not one of the format and is not used\n"),
+            "{text}"
+        );
+        assert!(
+            text.contains("note: noted.csv: rows are missing in 1 places, the first after t_s = 0.024\n"),
+            "{text}"
+        );
+    }
 }
 
 /// Compares with a file under `tests/golden`, or rewrites it: `cargo xtask golden`.

@@ -73,7 +73,15 @@ fn no_residual_is_taken_across_a_gap() {
     assert!(residual.windows.iter().any(|window| window.start == 4000), "windows begin anew after the gap");
 }
 
-fn on_real_machine(folder: &str, file: &str) -> Option<(f64, f64, Option<(Vec<u32>, f64)>)> {
+/// Shares of the residual on a real machine.
+struct Shares {
+    direction: f64,
+    speed: f64,
+    /// Orders named, and their share together.
+    orders: Option<(Vec<u32>, f64)>,
+}
+
+fn on_real_machine(folder: &str, file: &str) -> Option<Shares> {
     let data = shared("data")?.join(folder);
     let machine = Machine::read(&data.join("machine.toml")).unwrap();
     let recording = Recording::read(&data.join(file), Some(machine.axis.kind)).unwrap();
@@ -84,13 +92,14 @@ fn on_real_machine(folder: &str, file: &str) -> Option<(f64, f64, Option<(Vec<u3
     let svg = picture.path().join("compare.svg");
     comparison.figure(file).write(&svg).unwrap();
     assert!(Path::new(&svg).metadata().unwrap().len() > 10_000, "a picture with something in it");
-    Some((comparison.explained(Channel::Direction), comparison.explained(Channel::Speed), orders))
+    let (direction, speed) = (comparison.explained(Channel::Direction), comparison.explained(Channel::Speed));
+    Some(Shares { direction, speed, orders })
 }
 
 #[test]
 fn the_linear_axis_without_its_friction_follows_the_direction() {
     for file in ["train.csv", "pulses.csv"] {
-        let Some((direction, speed, orders)) = on_real_machine("emps", file) else { return };
+        let Some(Shares { direction, speed, orders }) = on_real_machine("emps", file) else { return };
         assert!(direction > 0.9 && speed > 0.9, "{file}: direction {direction}, speed {speed}");
         assert_eq!(orders, None, "a linear axis has no orders");
     }
@@ -106,7 +115,7 @@ fn the_direct_drive_without_its_cogging_follows_the_position() {
         "slow2_slower_comp_0",
         "slow2_slower_nocomp_0",
     ] {
-        let Some((direction, speed, orders)) = on_real_machine("odrive_cogging", &format!("{run}.csv")) else {
+        let Some(Shares { direction, speed, orders }) = on_real_machine("odrive_cogging", &format!("{run}.csv")) else {
             return;
         };
         let (orders, explained) = orders.expect("more than a revolution is in the recording");

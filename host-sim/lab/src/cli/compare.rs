@@ -36,7 +36,8 @@ pub fn run(args: &Args) -> Result<(), Error> {
         .map(|recording| Comparison::new(&model, &machine.axis, recording))
         .collect::<Result<_, _>>()?;
     for (recording, comparison) in recordings.iter().zip(&comparisons) {
-        output::print(&comparison.to_string())?;
+        let notes: String = recording.notes().iter().map(|note| format!("note: {note}\n")).collect();
+        output::print(&format!("{notes}{comparison}"))?;
         let stem = Path::new(&recording.name).file_stem().unwrap_or_default().to_string_lossy();
         let file = args.plots.join(format!("compare-{stem}.svg"));
         comparison.figure(&format!("{} without what {} left out", recording.name, machine.name)).write(&file)?;
