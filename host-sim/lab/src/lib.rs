@@ -15,5 +15,6 @@ pub mod report;
 pub mod residual;
 pub mod simulate;
 pub mod stability;
+pub mod tune;
 
 pub use error::Error;
