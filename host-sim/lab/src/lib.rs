@@ -16,5 +16,6 @@ pub mod report;
 pub mod residual;
 pub mod simulate;
 pub mod stability;
+pub mod tune;
 
 pub use error::Error;

@@ -8,6 +8,7 @@ mod paper;
 mod replay;
 mod simulate;
 mod stability;
+mod tune;
 
 use crate::Error;
 
@@ -33,6 +34,8 @@ enum Command {
     Stability(stability::StabilityArgs),
     /// Reproduce the paper: its figures, and a table of what became of each claim.
     Paper(paper::Args),
+    /// Find gains that keep margins over the uncertainty of every delay, and settle fast; write the parameter file.
+    Tune(tune::Args),
     /// Do the main job on embedded data: loop, recording with something left out of the model, comparison.
     Demo(demo::Args),
 }
@@ -50,6 +53,7 @@ impl Cli {
             Command::Decode(args) => decode::run(args),
             Command::Stability(args) => stability::run(args),
             Command::Paper(args) => paper::run(args),
+            Command::Tune(args) => tune::run(args),
             Command::Demo(args) => demo::run(args),
         }
     }
