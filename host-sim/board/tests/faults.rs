@@ -17,7 +17,6 @@ use object::{Object, ObjectSection, ObjectSymbol};
 use plant::chips::BusFault;
 use rand::rngs::StdRng;
 use rand::{Rng, SeedableRng};
-use rigless::emulator::Memory;
 use rigless::soc::Width;
 use rigless::time::VirtualNanos;
 
