@@ -192,6 +192,8 @@ fn none_keeps(task: &Task, range: &Range, judged: &[Candidate]) -> Error {
              tolerance and the overshoot; allow more of --tolerance-mrad or --overshoot-percent"
         )
     } else {
-        format!("no gains keep the loop stable up to Q1 {q1} N m s/rad with delays +-{percent} % off; ask for less of --q1")
+        format!(
+            "no gains keep the loop stable up to Q1 {q1} N m s/rad with delays +-{percent} % off; ask for less of --q1"
+        )
     })
 }

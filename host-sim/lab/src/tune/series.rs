@@ -59,7 +59,8 @@ impl SeriesLoop {
 
     /// (K_P + K_D s) e^(-Ls) at s = jw, N m/rad.
     fn control(&self, w: f64) -> Complex<f64> {
-        Complex::new(self.gains.k_p_nm_rad, w * self.gains.k_d_nm_s_rad) * Complex::from_polar(1.0, -w * self.torque_delay_s)
+        Complex::new(self.gains.k_p_nm_rad, w * self.gains.k_d_nm_s_rad)
+            * Complex::from_polar(1.0, -w * self.torque_delay_s)
     }
 
     /// No root right of the axis has a modulus above this, rad/s: |e^(-Ls)| and |fluid| are at most 1 there.
