@@ -24,7 +24,7 @@ pub struct Args {
     /// How far each delay may be off, percent.
     #[arg(long, default_value_t = 50.0)]
     uncertainty_percent: f64,
-    /// Largest viscosity the margins are kept for, N m s/rad [default: the peak of (5), or 10 where no gains do]
+    /// Largest viscosity the margins are kept for, N m s/rad [default: the peak of (5), or as near as gains do]
     #[arg(long, value_name = "Q1")]
     q1: Option<f64>,
     /// Large step, degrees.
@@ -65,7 +65,7 @@ impl Args {
         let large_rad = self.step_deg.to_radians();
         let checks = [
             ("--phase-margin-deg", self.phase_margin_deg, 1.0, 90.0),
-            ("--gain-margin", self.gain_margin, 1.01, 100.0),
+            ("--gain-margin", self.gain_margin, 1.01, 10.0),
             ("--delay-margin", self.delay_margin, 0.01, 100.0),
             ("--uncertainty-percent", self.uncertainty_percent, 0.0, 90.0),
             ("--q1", self.q1.unwrap_or(0.0), 0.0, 1000.0),

@@ -44,7 +44,7 @@ pub struct Guarantee {
     pub worst: SeriesLoop,
     /// Least phase margin, degrees; infinite if no loop has one.
     pub phase_deg: f64,
-    /// Least gain margin, a factor; infinite if no loop has one.
+    /// Least gain margin, a factor; infinite if no loop has one up to 10.
     pub gain: f64,
     /// Least delay margin, s; infinite if no loop has one.
     pub delay_s: f64,
@@ -126,6 +126,27 @@ impl Range {
     #[must_use]
     pub fn nominal_delay_s(&self) -> f64 {
         if self.torque_delay_s > 0.0 { self.torque_delay_s } else { self.law_delay_s }
+    }
+
+    /// The viscosity above which the slowest fluid of the range makes the damper unstable by itself, without control
+    /// torque, N m s/rad; none if it does not up to the largest.
+    #[must_use]
+    pub fn unstable_alone_nm_s_rad(&self) -> Option<f64> {
+        // A spring too weak to matter keeps the root at zero off the axis.
+        let gains = Gains { k_p_nm_rad: 1e-3, k_d_nm_s_rad: 0.0 };
+        let stable = |share: f64| {
+            let alone = SeriesLoop { torque_delay_s: 0.0, ..self.at(gains, share, [1.0 + self.uncertainty; 3]) };
+            alone.unstable_roots() == Some(0)
+        };
+        if stable(1.0) {
+            return None;
+        }
+        let (mut low, mut high) = (0.0, 1.0);
+        for _ in 0..30 {
+            let middle = 0.5 * (low + high);
+            if stable(middle) { low = middle } else { high = middle }
+        }
+        Some(low * self.q1_nm_s_rad)
     }
 
     /// Loops drawn evenly within the uncertainty of each delay and the viscosities, the same for the same seed.

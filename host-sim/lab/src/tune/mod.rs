@@ -9,6 +9,7 @@
 //! of a quantised, sampled loop and ends at constraints; a simplex or gradient method stalls there, two variables need
 //! no better method, and the grid is the trade-off curve.
 
+pub mod cycles;
 pub mod guarantee;
 mod report;
 pub mod search;
@@ -27,8 +28,6 @@ use crate::stability::Gains;
 
 /// Largest viscosity of equation (5), at rest, N m s/rad.
 pub const PEAK_NM_S_RAD: f64 = 55.147;
-/// Q1 of section V of the paper, N m s/rad.
-pub const PAPER_NM_S_RAD: f64 = 10.0;
 
 /// What is tuned, and to what.
 #[derive(Debug, Clone, PartialEq)]
@@ -41,8 +40,8 @@ pub struct Task {
     pub demands: Demands,
     /// Each delay may be off by this share.
     pub uncertainty: f64,
-    /// Largest viscosity for which the margins are kept, N m s/rad; none for the peak of (5), or the paper's Q1 where no
-    /// gains keep them up to the peak.
+    /// Largest viscosity for which the margins are kept, N m s/rad; none for the peak of (5), or the next below it up to
+    /// which some gains keep them.
     pub q1_nm_s_rad: Option<f64>,
     /// What the nonlinear loop must do.
     pub steps: Steps,

@@ -18,11 +18,13 @@ pub fn summary(task: &Task, tuning: &Tuning) -> String {
     let (range, demands) = (&tuning.range, &task.demands);
     let percent = 100.0 * range.uncertainty;
     if tuning.short_of_peak {
+        let alone = task.range(PEAK_NM_S_RAD).unstable_alone_nm_s_rad().map_or(String::new(), |q1| {
+            format!(" (a fluid this late makes\nthe damper of the linear loop unstable by itself above Q1 {q1:.1})")
+        });
         let _ = writeln!(
             text,
-            "No gains keep these margins up to the peak of (5), Q {PEAK_NM_S_RAD} N m s/rad: a fluid this late makes the \
-             damper of\nthe linear loop unstable by itself. They are kept up to the Q1 of section V; above it rests on the \
-             nonlinear runs.\n"
+            "No gains keep these margins up to the peak of (5), Q {PEAK_NM_S_RAD} N m s/rad{alone}.\nThey are kept up \
+             to the Q1 below; above it stand the nonlinear runs and the harmonic balance.\n"
         );
     }
     let _ = writeln!(
@@ -38,11 +40,17 @@ pub fn summary(task: &Task, tuning: &Tuning) -> String {
         "  phase margin {} degrees, gain margin {}, delay margin {} L\n",
         demands.phase_deg, demands.gain, demands.delay_share
     );
-    for (name, candidate) in [("tuned", &tuning.best), ("paper", &tuning.paper)] {
-        candidate_lines(&mut text, name, task, candidate);
-    }
+    candidate_lines(&mut text, "tuned, with all delays tried", task, &tuning.best);
+    candidate_lines(&mut text, "paper, with the nominal delays", task, &tuning.paper);
+    let _ = writeln!(text, "the paper's gains stay stable up to +-{:.0} % of every delay", 100.0 * tuning.paper_bears);
     let (draws, unstable) = tuning.draws;
     let _ = writeln!(text, "root counting: {unstable} of {draws} loops drawn within the range unstable (seed {SEED})");
+    let _ = match tuning.limit_cycles {
+        0 => writeln!(text, "harmonic balance: no limit cycle with the delays nominal or all off by the uncertainty"),
+        count => {
+            writeln!(text, "HARMONIC BALANCE: {count} limit cycles with the delays nominal or off by the uncertainty")
+        }
+    };
     let _ = writeln!(text, "{} pairs of gains judged\n\nlevel   mean settling   K_p*     K_d*", tuning.judged);
     for (level, candidate) in &tuning.trade_off {
         let _ = match candidate.as_ref().and_then(|found| Some((found.worth()?, found.normalised))) {
@@ -68,7 +76,7 @@ fn candidate_lines(text: &mut String, name: &str, task: &Task, candidate: &Candi
     let (gains, normalised) = (candidate.gains, candidate.normalised);
     let _ = writeln!(
         text,
-        "{name}: K_P {:.3} N m/rad, K_D {:.4} N m s/rad (K_p* {:.4}, K_d* {:.4}), near {:.4} rad",
+        "{name}:\n  K_P {:.3} N m/rad, K_D {:.4} N m s/rad (K_p* {:.4}, K_d* {:.4}), near {:.4} rad",
         gains.k_p_nm_rad,
         gains.k_d_nm_s_rad,
         normalised.kp,

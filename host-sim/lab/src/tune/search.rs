@@ -2,9 +2,10 @@
 
 use rayon::prelude::*;
 
+use super::cycles::limit_cycles;
 use super::guarantee::Guarantee;
-use super::trial::{Trial, config_for, trial};
-use super::{PAPER_NM_S_RAD, PEAK_NM_S_RAD, Range, Task};
+use super::trial::{Steps, Trial, config_for, trial};
+use super::{PEAK_NM_S_RAD, Range, Task};
 use crate::Error;
 use crate::progress::Progress;
 use crate::stability::{Gains, NormalisedGains};
@@ -14,7 +15,9 @@ const GRID: usize = 22;
 const KP: [f64; 2] = [0.004, 0.4];
 const KD: [f64; 2] = [0.04, 1.2];
 /// Levels of the trade-off curve.
-pub const LEVELS: [f64; 8] = [0.1, 0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 2.0];
+pub const LEVELS: [f64; 12] = [0.1, 0.25, 0.5, 0.75, 0.85, 0.95, 1.0, 1.05, 1.1, 1.2, 1.5, 2.0];
+/// Largest viscosities that are tried, N m s/rad: the peak of (5), then down past the 10 of section V.
+const VISCOSITIES_NM_S_RAD: [f64; 7] = [PEAK_NM_S_RAD, 30.0, 20.0, 10.0, 5.0, 2.0, 1.0];
 /// First and last step of the compass search, as a logarithm of a gain.
 const FIRST_STEP: f64 = 0.1;
 const LAST_STEP: f64 = 0.005;
@@ -50,7 +53,7 @@ impl Candidate {
 pub struct Tuning {
     /// The loops the margins are kept for.
     pub range: Range,
-    /// No gains keep the demands up to the peak of (5); the range stops at the paper's Q1.
+    /// No gains of the grid keep the demands up to the peak of (5); the range stops below.
     pub short_of_peak: bool,
     /// Best for each of [`LEVELS`]; none where nothing keeps it.
     pub trade_off: Vec<(f64, Option<Candidate>)>,
@@ -60,8 +63,12 @@ pub struct Tuning {
     pub paper: Candidate,
     /// Gains judged.
     pub judged: usize,
+    /// The uncertainty up to which the paper's gains stay stable, as a share.
+    pub paper_bears: f64,
     /// Loops drawn to check the best by root counting, and how many of them were unstable.
     pub draws: (usize, usize),
+    /// Limit cycles of the nonlinear loop under the best, by harmonic balance.
+    pub limit_cycles: usize,
 }
 
 /// Seed of the draws.
@@ -85,10 +92,22 @@ fn try_gains(task: &Task, gains: Gains) -> Result<Option<Trial>, Error> {
     trial(&task.model, &config, task.uncertainty, &task.steps)
 }
 
-/// The paper's gains, tried even where they guarantee nothing.
+/// The paper's gains, tried with the nominal delays and whatever the overshoot, for they were not made for more.
 fn paper(task: &Task, range: &Range) -> Result<Candidate, Error> {
     let candidate = judge(task, range, NormalisedGains::PAPER)?;
-    Ok(Candidate { trial: try_gains(task, candidate.gains)?, ..candidate })
+    let config = config_for(&task.config, candidate.gains, &task.model, task.uncertainty);
+    let steps = Steps { overshoot: f64::INFINITY, ..task.steps };
+    Ok(Candidate { trial: trial(&task.model, &config, 0.0, &steps)?, ..candidate })
+}
+
+/// The largest uncertainty, in hundredths, at which gains keep every loop of a range stable.
+fn bears(task: &Task, range: &Range, gains: Gains) -> f64 {
+    let stable = |percent: u32| {
+        let range = Range { uncertainty: 0.01 * f64::from(percent), ..range.clone() };
+        range.guarantee(gains, &task.demands).is_some()
+    };
+    let lost = (0..=90).find(|percent| !stable(*percent)).unwrap_or(91);
+    0.01 * f64::from(lost) - 0.01
 }
 
 /// Searches the gains.
@@ -96,19 +115,22 @@ fn paper(task: &Task, range: &Range) -> Result<Candidate, Error> {
 /// # Errors
 /// A machine the models do not take, or demands that no gains of the grid keep; the message says how near they come.
 pub fn tune(task: &Task) -> Result<Tuning, Error> {
-    if let Some(q1_nm_s_rad) = task.q1_nm_s_rad {
+    let undamped = task.range(0.0).fluid_s.is_none();
+    let ladder = match task.q1_nm_s_rad {
+        Some(q1_nm_s_rad) => vec![q1_nm_s_rad],
+        None if undamped => vec![0.0],
+        None => VISCOSITIES_NM_S_RAD.to_vec(),
+    };
+    let mut nearest = None;
+    for (rung, q1_nm_s_rad) in ladder.into_iter().enumerate() {
         let range = task.range(q1_nm_s_rad);
         let grid = grid(task, &range)?;
-        return finish(task, range, false, grid);
+        if best_of(&grid, 1.0).is_some() || task.q1_nm_s_rad.is_some() {
+            return finish(task, range, rung > 0, grid);
+        }
+        nearest = Some(none_keeps(task, &range, &grid));
     }
-    let range = task.range(if task.range(0.0).fluid_s.is_none() { 0.0 } else { PEAK_NM_S_RAD });
-    let to_peak = grid(task, &range)?;
-    if best_of(&to_peak, 1.0).is_some() {
-        return finish(task, range, false, to_peak);
-    }
-    let range = task.range(PAPER_NM_S_RAD);
-    let grid = grid(task, &range)?;
-    finish(task, range, true, grid)
+    Err(nearest.unwrap_or_else(|| Error::Usage("nothing was searched".to_owned())))
 }
 
 /// Every place of the grid.
@@ -140,12 +162,15 @@ fn finish(task: &Task, range: Range, short_of_peak: bool, mut judged: Vec<Candid
     }
     let best = best_of(&judged, 1.0).ok_or_else(|| none_keeps(task, &range, &judged))?;
     let unstable = range.draws(best.gains, DRAWS, SEED).filter(|drawn| drawn.unstable_roots() != Some(0)).count();
+    let paper = paper(task, &range)?;
     Ok(Tuning {
-        paper: paper(task, &range)?,
+        paper_bears: bears(task, &range, paper.gains),
+        paper,
         trade_off: LEVELS.map(|level| (level, best_of(&judged, level))).to_vec(),
         best,
         judged: judged.len(),
         draws: (DRAWS, unstable),
+        limit_cycles: limit_cycles(task, best.gains)?,
         range,
         short_of_peak,
     })

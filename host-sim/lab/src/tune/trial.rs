@@ -60,7 +60,7 @@ pub fn config_for(config: &Config, gains: Gains, model: &Model, uncertainty: f64
 }
 
 /// The model with every delay times a factor.
-fn delayed(model: &Model, factor: f64) -> Model {
+pub(super) fn delayed(model: &Model, factor: f64) -> Model {
     let mut model = model.clone();
     model.torque_delay_s *= factor;
     if let Some(er) = &mut model.er {
