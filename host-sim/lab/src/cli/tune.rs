@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use super::machine::MachineArgs;
 use crate::read::Machine;
+use crate::stability::NormalisedGains;
 use crate::tune::{Demands, Steps, Task, figure, machine, summary, tune};
 use crate::{Error, output};
 
@@ -33,7 +34,8 @@ pub struct Args {
     /// Small step, mrad.
     #[arg(long, default_value_t = 50.0)]
     small_mrad: f64,
-    /// Settled within this, or 2 % of the step where that is more, mrad [default: 2 % of the large step]
+    /// Settled within this, or 2 % of the step where that is more, mrad [default: 2 % of the large step, or twice what
+    /// friction holds against the paper's gains]
     #[arg(long)]
     tolerance_mrad: Option<f64>,
     /// Largest overshoot, percent of the step.
@@ -80,6 +82,9 @@ impl Args {
                 return Err(Error::Usage(format!("{flag}: {value} is not allowed, {least} to {most} is")));
             }
         }
+        let paper = NormalisedGains::PAPER.physical(model.inertia, model.torque_delay_s.max(1e-3));
+        let held_rad = model.coulomb / paper.k_p_nm_rad;
+        let tolerance_rad = self.tolerance_mrad.map_or((0.02 * large_rad).max(2.0 * held_rad), |mrad| 1e-3 * mrad);
         Ok(Task {
             model,
             config,
@@ -93,7 +98,7 @@ impl Args {
             steps: Steps {
                 large_rad,
                 small_rad: 1e-3 * self.small_mrad,
-                tolerance_rad: self.tolerance_mrad.map_or(0.02 * large_rad, |mrad| 1e-3 * mrad),
+                tolerance_rad,
                 overshoot: 0.01 * self.overshoot_percent,
             },
         })

@@ -116,30 +116,56 @@ fn candidate_lines(text: &mut String, name: &str, task: &Task, candidate: &Candi
     };
 }
 
+/// A point of a figure, in the units of its axes.
+type Point = (f64, f64);
+
 /// Settling over kept margins, and the gains.
 #[must_use]
 pub fn figure(tuning: &Tuning) -> Figure {
-    let curve = tuning.trade_off.iter().filter_map(|(level, found)| Some((*level, 1e3 * found.as_ref()?.worth()?.1)));
-    let point = |candidate: &Candidate| Some((candidate.guarantee?.level, 1e3 * candidate.trial?.cost_s()));
-    let place = |candidate: &Candidate| (candidate.normalised.kp, candidate.normalised.kd);
-    let mut costs = vec![Series::new("best for each level", Mark::Line, curve)];
-    costs.push(Series::new("tuned", Mark::Points, point(&tuning.best)));
+    let best: Vec<&Candidate> = tuning.trade_off.iter().filter_map(|(_, found)| found.as_ref()).collect();
+    let curve: Vec<Point> =
+        best.iter().filter_map(|found| found.worth()).map(|(level, cost_s)| (level, 1e3 * cost_s)).collect();
+    let along: Vec<Point> = best.iter().map(|found| place(found)).collect();
     // Gains that keep nothing stand at level 0, where the loop is lost.
-    let paper = point(&tuning.paper).or_else(|| Some((0.0, 1e3 * tuning.paper.trial?.cost_s())));
-    costs.push(Series::new("paper", Mark::Points, paper));
-    let along = tuning.trade_off.iter().filter_map(|(_, found)| found.as_ref().map(place));
-    let gains = vec![
-        Series::new("best for each level", Mark::Line, along),
-        Series::new("tuned", Mark::Points, [place(&tuning.best)]),
-        Series::new("paper", Mark::Points, [place(&tuning.paper)]),
-    ];
+    let judged = |candidate: &Candidate| {
+        let level = candidate.guarantee.map_or(0.0, |kept| kept.level);
+        Some((level, 1e3 * candidate.trial?.cost_s()))
+    };
+    let panel = |x: &str, y: &str, line: Vec<Point>, tuned: Option<Point>, paper: Option<Point>| {
+        let points: Vec<Point> = line.iter().copied().chain(tuned).chain(paper).collect();
+        let size = half_size(&points);
+        let mut series = vec![Series::new("best for each level", Mark::Line, line)];
+        series.extend(tuned.map(|point| Series::cross("tuned", point, size)));
+        series.extend(paper.map(|point| Series::cross("paper", point, size)));
+        Panel::new(x, y, series)
+    };
+    let (tuned, paper) = (&tuning.best, &tuning.paper);
     Figure {
         title: "Settling against margins kept over the uncertainty".to_owned(),
         panels: vec![
-            Panel::new("least margin over the one demanded (1)", "mean settling time (ms)", costs),
-            Panel::new("K_p* = K_P L^2 / J (1)", "K_d* = K_D L / J (1)", gains),
+            panel(
+                "least margin over the one demanded (1)",
+                "mean settling time (ms)",
+                curve,
+                judged(tuned),
+                judged(paper),
+            ),
+            panel("K_p* = K_P L^2 / J (1)", "K_d* = K_D L / J (1)", along, Some(place(tuned)), Some(place(paper))),
         ],
     }
+}
+
+fn place(candidate: &Candidate) -> Point {
+    (candidate.normalised.kp, candidate.normalised.kd)
+}
+
+/// Half the size of a cross among points: a hundredth and a thirtieth of what they span.
+fn half_size(points: &[Point]) -> Point {
+    let span = |value: fn(&Point) -> f64| {
+        let values = points.iter().map(value);
+        values.clone().fold(f64::NEG_INFINITY, f64::max) - values.fold(f64::INFINITY, f64::min)
+    };
+    (0.01 * span(|point| point.0), 0.03 * span(|point| point.1))
 }
 
 /// The machine with the tuned parameters, as a machine file has it: its section `[controller]` is what the firmware
@@ -155,7 +181,8 @@ pub fn machine(task: &Task, tuning: &Tuning, read: Option<Machine>) -> Machine {
             name: "er-dd-servo".to_owned(),
             axis: Axis {
                 kind: AxisKind::Rotary,
-                sample_period_s: f64::from(task.config.period_s),
+                // The decimal number the single-precision one stands for.
+                sample_period_s: (f64::from(task.config.period_s) * 1e9).round() * 1e-9,
                 resolution: std::f64::consts::TAU / f64::from(er_servo::COUNTS_PER_REV),
             },
             plant,

@@ -73,7 +73,7 @@ fn regions() -> Result<Panel, Error> {
         series.push(Series::new(name, Mark::Line, lines));
     }
     let NormalisedGains { kp, kd } = NormalisedGains::PAPER;
-    series.push(Series::new("gains of the paper", Mark::Points, [(kp, kd)]));
+    series.push(Series::cross("gains of the paper", (kp, kd), (0.012, 0.06)));
     Ok(Panel::new("K_p* = K_P L^2 / J (1)", "K_d* = K_D L / J (1)", series))
 }
 

@@ -82,7 +82,14 @@ fn disturbed() -> Result<NamedFigure, Error> {
         ("damper and brake".to_owned(), Case { fluid: both, ..case }),
     ])?;
     let title = "Fig. 19: step, then 8 N m for 50 ms at 0.4 s; E dead 2 + lag 3 ms, L 5 ms";
-    Ok(step("fig19.svg", title, &runs, 0.7))
+    let mut figure = step("fig19.svg", title, &runs, 0.7);
+    // The push moves the rotor by a twentieth of the step.
+    let error = panel("error near rest (mrad)", Mark::Line, &runs, 0.7, |row| {
+        let error_mrad = 1e3 * (row.reference.to_rad() - row.truth.position);
+        if error_mrad.abs() < 40.0 { error_mrad } else { f64::NAN }
+    });
+    figure.figure.panels.insert(1, error);
+    Ok(figure)
 }
 
 /// Not in the paper: what the speed estimate of the firmware changes.
