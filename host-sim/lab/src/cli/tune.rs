@@ -62,9 +62,8 @@ pub fn run(args: &Args) -> Result<(), Error> {
 }
 
 impl Args {
-    fn task(&self) -> Result<Task, Error> {
-        let (model, config) = self.machine.build()?;
-        let large_rad = self.step_deg.to_radians();
+    /// Refuses a flag outside its range.
+    fn check(&self) -> Result<(), Error> {
         let checks = [
             ("--phase-margin-deg", self.phase_margin_deg, 1.0, 90.0),
             ("--gain-margin", self.gain_margin, 1.01, 10.0),
@@ -82,6 +81,13 @@ impl Args {
                 return Err(Error::Usage(format!("{flag}: {value} is not allowed, {least} to {most} is")));
             }
         }
+        Ok(())
+    }
+
+    fn task(&self) -> Result<Task, Error> {
+        self.check()?;
+        let (model, config) = self.machine.build()?;
+        let large_rad = self.step_deg.to_radians();
         let paper = NormalisedGains::PAPER.physical(model.inertia, model.torque_delay_s.max(1e-3));
         let held_rad = model.coulomb / paper.k_p_nm_rad;
         let tolerance_rad = self.tolerance_mrad.map_or((0.02 * large_rad).max(2.0 * held_rad), |mrad| 1e-3 * mrad);

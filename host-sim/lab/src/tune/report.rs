@@ -45,12 +45,13 @@ pub fn summary(task: &Task, tuning: &Tuning) -> String {
     let _ = writeln!(text, "the paper's gains stay stable up to +-{:.0} % of every delay", 100.0 * tuning.paper_bears);
     let (draws, unstable) = tuning.draws;
     let _ = writeln!(text, "root counting: {unstable} of {draws} loops drawn within the range unstable (seed {SEED})");
-    let _ = match tuning.limit_cycles {
-        0 => writeln!(text, "harmonic balance: no limit cycle with the delays nominal or all off by the uncertainty"),
-        count => {
-            writeln!(text, "HARMONIC BALANCE: {count} limit cycles with the delays nominal or off by the uncertainty")
-        }
-    };
+    let cycles = tuning.limit_cycles;
+    let _ = writeln!(text, "harmonic balance: {cycles} limit cycles, delays nominal and all off by the uncertainty");
+    trade_off_lines(&mut text, tuning);
+    text
+}
+
+fn trade_off_lines(text: &mut String, tuning: &Tuning) {
     let _ = writeln!(text, "{} pairs of gains judged\n\nlevel   mean settling   K_p*     K_d*", tuning.judged);
     for (level, candidate) in &tuning.trade_off {
         let _ = match candidate.as_ref().and_then(|found| Some((found.worth()?, found.normalised))) {
@@ -60,7 +61,6 @@ pub fn summary(task: &Task, tuning: &Tuning) -> String {
             None => writeln!(text, "{level:<7} not kept by any gains that settle"),
         };
     }
-    text
 }
 
 fn fluid(fluid_s: Option<(f64, f64)>, percent: f64) -> String {
@@ -99,6 +99,10 @@ fn candidate_lines(text: &mut String, name: &str, task: &Task, candidate: &Candi
         ),
         None => writeln!(text, "  keeps nothing: unstable somewhere in the range"),
     };
+    trial_line(text, task, candidate);
+}
+
+fn trial_line(text: &mut String, task: &Task, candidate: &Candidate) {
     let _ = match &candidate.trial {
         Some(trial) => writeln!(
             text,
@@ -109,7 +113,7 @@ fn candidate_lines(text: &mut String, name: &str, task: &Task, candidate: &Candi
             1e3 * trial.settling_s[1],
             1e3 * task.steps.small_rad,
             100.0 * trial.overshoot,
-            1e3 * task.model.coulomb / gains.k_p_nm_rad,
+            1e3 * task.model.coulomb / candidate.gains.k_p_nm_rad,
             1e3 * trial.push_rad
         ),
         None => writeln!(text, "  does not settle, or overshoots too far, with some delays of the range\n"),

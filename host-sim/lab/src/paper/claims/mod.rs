@@ -3,6 +3,7 @@
 mod brake;
 mod delays;
 mod law;
+mod nonlinear;
 mod region;
 mod robustness;
 
@@ -51,8 +52,10 @@ pub struct Claim {
 /// # Errors
 /// A value the law, the plant or the stability analysis does not take.
 pub fn test_all(scan: &Scan, progress: &Progress) -> Result<Vec<Claim>, Error> {
-    let groups: [&dyn Fn() -> Result<Vec<Claim>, Error>; 5] =
-        [&|| Ok(law::claims()), &brake::claims, &region::claims, &robustness::claims, &|| delays::claims(scan)];
+    let groups: [&dyn Fn() -> Result<Vec<Claim>, Error>; 6] =
+        [&|| Ok(law::claims()), &brake::claims, &region::claims, &robustness::claims, &nonlinear::claims, &|| {
+            delays::claims(scan)
+        }];
     let mut claims = Vec::new();
     for group in groups {
         claims.extend(group()?);
@@ -62,7 +65,7 @@ pub fn test_all(scan: &Scan, progress: &Progress) -> Result<Vec<Claim>, Error> {
 }
 
 /// Number of groups, for the progress.
-pub const GROUPS: u64 = 5;
+pub const GROUPS: u64 = 6;
 
 /// Where in a range something is true.
 struct Where {

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::{Claim, Verdict, refused};
 use crate::Error;
 use crate::paper::case::{DELAY_S, INERTIA_KG_M2};
-use crate::stability::limits::{Quantity, margins, tolerance};
+use crate::stability::limits::{Margins, Quantity, margins, tolerance};
 use crate::stability::region::{Window, stable_region};
 use crate::stability::{Fluid, Gains, Loop, LoopError, NormalisedGains, Plant, argument, curves};
 
@@ -104,21 +104,33 @@ fn largest_q1(delay_s: f64, fluid: Fluid) -> Result<Option<f64>, LoopError> {
     Ok(limit.map(|limit| limit.value).filter(|q1| *q1 <= 400.0))
 }
 
+/// Limits of Q1 alone, in words.
+fn q1_limits() -> Result<[String; 2], LoopError> {
+    let mut limits = Vec::new();
+    let mut unlimited = 0;
+    for delay_s in DELAYS_S {
+        let text = match largest_q1(delay_s, DEAD)? {
+            Some(q1) => format!("{q1:.1}"),
+            None => "over 400".to_owned(),
+        };
+        limits.push(format!("{text} (L {} ms)", delay_s * 1e3));
+        unlimited += usize::from(largest_q1(delay_s, LAG)?.is_none());
+    }
+    Ok([
+        format!("Q0 0, dead time 5 ms: outside for Q1 above {}", limits.join(", ")),
+        format!("Q0 0, lag 5 ms: inside for any Q1 up to 400 for {unlimited} of {} L", DELAYS_S.len()),
+    ])
+}
+
 fn inside() -> Result<Claim, LoopError> {
     let mut figures = Vec::new();
     let mut inside = [0; 4];
-    let mut limits = Vec::new();
     for delay_s in DELAYS_S {
         for (count, (q1, fluid)) in
             inside.iter_mut().zip([(10.0, DEAD), (10.0, LAG), (PEAK_NM_S_RAD, DEAD), (PEAK_NM_S_RAD, LAG)])
         {
             *count += usize::from(curves::is_inside(&closed(delay_s, 0.2, q1, fluid)?));
         }
-        let text = match largest_q1(delay_s, DEAD)? {
-            Some(q1) => format!("{q1:.1}"),
-            None => "over 400".to_owned(),
-        };
-        limits.push(format!("{text} (L {} ms)", delay_s * 1e3));
     }
     let of = DELAYS_S.len();
     figures.push(format!("Q1 10: inside for {} of {of} L with dead time, {} with lag", inside[0], inside[1]));
@@ -126,10 +138,7 @@ fn inside() -> Result<Claim, LoopError> {
         "Q1 {PEAK_NM_S_RAD}, the peak of (5): inside for {} of {of} L with dead time, {} with lag",
         inside[2], inside[3]
     ));
-    figures.push(format!("Q0 0, dead time 5 ms: outside for Q1 above {}", limits.join(", ")));
-    let lag = DELAYS_S.iter().map(|delay_s| largest_q1(*delay_s, LAG)).collect::<Result<Vec<_>, _>>()?;
-    let lag = lag.iter().filter(|limit| limit.is_none()).count();
-    figures.push(format!("Q0 0, lag 5 ms: inside for any Q1 up to 400 for {lag} of {of} L"));
+    figures.extend(q1_limits()?);
     let verdict = match inside {
         [a, b, c, d] if [a, b, c, d] == [of; 4] => Verdict::Holds,
         [a, b, ..] if a == of && b == of => Verdict::HoldsOnly(
@@ -149,6 +158,16 @@ fn inside() -> Result<Claim, LoopError> {
     })
 }
 
+fn in_words(found: &Margins) -> String {
+    let number = |value: Option<f64>, decimals: usize| value.map_or("none".to_owned(), |v| format!("{v:.decimals$}"));
+    format!(
+        "gain margin {}, phase margin {} degrees, delay margin {} times L",
+        number(found.gain, 2),
+        number(found.phase_deg, 1),
+        number(found.delay_factor, 2)
+    )
+}
+
 fn little_affected() -> Result<Claim, LoopError> {
     let mut figures = Vec::new();
     let mut gain_margins = Vec::new();
@@ -160,14 +179,7 @@ fn little_affected() -> Result<Claim, LoopError> {
     ] {
         let q0 = if q1 == 0.0 { 0.0 } else { 0.2 };
         let Some(found) = margins(&closed(DELAY_S, q0, q1, fluid)?) else { continue };
-        let number =
-            |value: Option<f64>, decimals: usize| value.map_or("none".to_owned(), |v| format!("{v:.decimals$}"));
-        figures.push(format!(
-            "{name}: gain margin {}, phase margin {} degrees, delay margin {} times L",
-            number(found.gain, 2),
-            number(found.phase_deg, 1),
-            number(found.delay_factor, 2)
-        ));
+        figures.push(format!("{name}: {}", in_words(&found)));
         gain_margins.push(found.gain);
     }
     let critical = std::f64::consts::FRAC_PI_2 * INERTIA_KG_M2 / 0.005;

@@ -32,16 +32,9 @@ fn excess(delay_s: f64, slowness: f64, step_u: f64) -> Result<f64, Error> {
     Ok(overshoot(Fluid::ELag5)? - overshoot(Fluid::None)?)
 }
 
-pub(super) fn of_the_e_lag(scan: &Scan) -> Result<Claim, Error> {
-    let as_assumed: Vec<f64> = scan.at(Speed::True, 1.0).map(|cell| more(cell, Fluid::ELag5)).collect();
-    let with_counts = scan.at(Speed::Counts, 1.0).filter(|cell| more(cell, Fluid::ELag5) >= OVERSHOOT).count();
-    let large = as_assumed.iter().filter(|more| **more >= OVERSHOOT).count();
-    let most = as_assumed.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let mut figures = vec![format!(
-        "plant as the gains assume: large at {large} of {} places, at most {:.2} % more; speed from counts: at {with_counts}",
-        as_assumed.len(),
-        100.0 * most
-    )];
+/// At how many places of plants slower than the gains assume the overshoot is large, and a line for each slowness.
+fn small_steps_on_slow_plants() -> Result<(usize, Vec<String>), Error> {
+    let mut figures = Vec::new();
     let mut slower = 0;
     for slowness in SLOWNESSES {
         let places: Vec<(f64, f64)> = DELAYS_S.iter().flat_map(|delay| STEPS_U.map(|step| (*delay, step))).collect();
@@ -61,6 +54,21 @@ pub(super) fn of_the_e_lag(scan: &Scan) -> Result<Claim, Error> {
             worst.1
         ));
     }
+    Ok((slower, figures))
+}
+
+pub(super) fn of_the_e_lag(scan: &Scan) -> Result<Claim, Error> {
+    let as_assumed: Vec<f64> = scan.at(Speed::True, 1.0).map(|cell| more(cell, Fluid::ELag5)).collect();
+    let with_counts = scan.at(Speed::Counts, 1.0).filter(|cell| more(cell, Fluid::ELag5) >= OVERSHOOT).count();
+    let large = as_assumed.iter().filter(|more| **more >= OVERSHOOT).count();
+    let most = as_assumed.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let mut figures = vec![format!(
+        "plant as the gains assume: large at {large} of {} places, at most {:.2} % more; speed from counts: at {with_counts}",
+        as_assumed.len(),
+        100.0 * most
+    )];
+    let (slower, slow_plants) = small_steps_on_slow_plants()?;
+    figures.extend(slow_plants);
     let slow_step = |cell: &&Cell| cell.point.gains_delay_s == 0.002 && cell.point.step_rad == 0.0055;
     for cell in scan.at(Speed::True, 2.2).filter(slow_step) {
         let models = [Fluid::Off, Fluid::None, Fluid::EDead5, Fluid::EDead2Lag3, Fluid::ELag5];
