@@ -100,7 +100,7 @@ pub(super) fn claims() -> Result<Vec<Claim>, Error> {
     Ok(vec![Claim {
         section: "VII",
         statement: "The delay of the fluid does not destabilise the (nonlinear) loop",
-        test: "limit cycles by harmonic balance, and what a 2 s run of the flashed law with the true speed is left with",
+        test: "limit cycles by harmonic balance, and what 2 s of the flashed law with the true speed are left with after a step of 0.1 rad",
         range: format!("{} pairs of gains' L and plant's L times 8 delay models", PLACES_MS.len()),
         figures,
         verdict: match free {
