@@ -1,6 +1,13 @@
 //! One recording, as columns.
 
-use super::AxisKind;
+use std::ffi::OsStr;
+use std::path::Path;
+
+use super::columns::Header;
+use super::nearest::misspelt;
+use super::values::Values;
+use super::{AxisKind, Column, csv_file, gaps};
+use crate::Error;
 
 /// What the controller commanded of the damper.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -11,6 +18,20 @@ pub enum Mode {
     Damper,
     /// Constant braking field.
     Brake,
+}
+
+impl Mode {
+    /// Every mode.
+    pub const ALL: [Self; 3] = [Self::Off, Self::Damper, Self::Brake];
+
+    /// The word in the column `mode`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Off => "off",
+            Self::Damper => "damper",
+            Self::Brake => "brake",
+        }
+    }
 }
 
 /// Samples of one run: columns of equal length, at least one row, time strictly rising.
@@ -54,4 +75,106 @@ pub struct Recording {
     pub gaps: Vec<usize>,
     /// Columns the format does not know, kept as text and reported.
     pub extra: Vec<(String, Vec<String>)>,
+}
+
+impl Recording {
+    /// Reads the recording in `file`, by its extension: `.csv`, or `.parquet` with the same columns.
+    ///
+    /// `expected` is the axis of the machine the recording is of; without one the axis follows the units of the columns.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Input`] with file, line (CSV) or row (Parquet) and column for anything that is not a recording of one
+    /// run of such a machine.
+    pub fn read(file: &Path, expected: Option<AxisKind>) -> Result<Self, Error> {
+        let extension = file.extension().and_then(OsStr::to_str).map(str::to_ascii_lowercase);
+        match extension.as_deref() {
+            Some("csv") => csv_file::read(file, expected),
+            _ => Err(Error::input(file, None, "", "is not a recording by its name: .csv or .parquet")),
+        }
+    }
+
+    /// Number of rows, at least one.
+    pub fn rows(&self) -> usize {
+        self.t_s.len()
+    }
+
+    /// One sentence for each thing in the file that is no error but that the user should know: columns that are not of
+    /// the format, and rows that are missing.
+    pub fn notes(&self) -> Vec<String> {
+        let known = Column::ALL.map(|column| column.name(self.axis));
+        let mut notes: Vec<_> = self
+            .extra
+            .iter()
+            .map(|(name, _)| {
+                let hint = misspelt(name, known).map_or_else(String::new, |near| format!("; is `{near}` meant?"));
+                format!("{}: column `{name}` is not one of the format and is not used{hint}", self.name)
+            })
+            .collect();
+        if !self.gaps.is_empty() {
+            let count = self.gaps.len();
+            let first = self.t_s[self.gaps[0]];
+            notes.push(format!("{}: rows are missing in {count} places, the first after t_s = {first}", self.name));
+        }
+        notes
+    }
+
+    /// Puts checked columns in their places and looks for gaps.
+    pub(super) fn assemble(file: &Path, header: Header, values: Vec<Values>) -> Result<Self, Error> {
+        let name = file.file_name().map_or_else(|| file.to_string_lossy(), OsStr::to_string_lossy).into_owned();
+        let mut recording = Self { name, ..Self::empty(header.axis) };
+        for ((name, column), values) in header.columns.into_iter().zip(values) {
+            recording.place(name, column, values);
+        }
+        if recording.t_s.is_empty() {
+            return Err(Error::input(file, None, "", "the file holds a header but no rows"));
+        }
+        recording.gaps = gaps::find(&recording.t_s, recording.seq.as_deref());
+        Ok(recording)
+    }
+
+    fn empty(axis: AxisKind) -> Self {
+        Self {
+            name: String::new(),
+            axis,
+            t_s: Vec::new(),
+            position: Vec::new(),
+            effort_cmd: Vec::new(),
+            reference: None,
+            field_cmd_kv_mm: None,
+            mode: None,
+            velocity: None,
+            effort_meas: None,
+            field_meas_kv_mm: None,
+            temperature_c: None,
+            seq: None,
+            fault: None,
+            counts: None,
+            gaps: Vec::new(),
+            extra: Vec::new(),
+        }
+    }
+
+    fn place(&mut self, name: String, column: Option<Column>, values: Values) {
+        match values {
+            Values::Text(values) => self.extra.push((name, values)),
+            Values::Mode(values) => self.mode = Some(values),
+            Values::Seq(values) => self.seq = Some(values),
+            Values::Fault(values) => self.fault = Some(values),
+            Values::Counts(values) => self.counts = Some(values),
+            Values::Real(values) => match column {
+                Some(Column::Time) => self.t_s = values,
+                Some(Column::Position) => self.position = values,
+                Some(Column::EffortCmd) => self.effort_cmd = values,
+                Some(Column::Reference) => self.reference = Some(values),
+                Some(Column::FieldCmd) => self.field_cmd_kv_mm = Some(values),
+                Some(Column::Velocity) => self.velocity = Some(values),
+                Some(Column::EffortMeas) => self.effort_meas = Some(values),
+                Some(Column::FieldMeas) => self.field_meas_kv_mm = Some(values),
+                Some(Column::Temperature) => self.temperature_c = Some(values),
+                // The remaining columns are not of real numbers.
+                Some(Column::Mode | Column::Seq | Column::Fault | Column::Counts) | None => {}
+            },
+        }
+    }
 }

@@ -1,0 +1,229 @@
+//! Columns of a recording: their names on each kind of axis, and the header made sense of.
+
+use std::path::Path;
+
+use super::AxisKind;
+use super::nearest::{misspelt, quoted};
+use crate::Error;
+
+/// A column the format knows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Column {
+    /// Time, s.
+    Time,
+    /// Reference, rad or m.
+    Reference,
+    /// Position, rad or m.
+    Position,
+    /// Commanded torque or force, N m or N.
+    EffortCmd,
+    /// Commanded field, kV/mm.
+    FieldCmd,
+    /// Commanded mode of the damper.
+    Mode,
+    /// Speed estimate, rad/s or m/s.
+    Velocity,
+    /// Measured torque or force, N m or N.
+    EffortMeas,
+    /// Field that acted, kV/mm.
+    FieldMeas,
+    /// Temperature, Celsius.
+    Temperature,
+    /// Sequence number of the control tick.
+    Seq,
+    /// Fault word.
+    Fault,
+    /// Resolver counts.
+    Counts,
+}
+
+impl Column {
+    /// Every column, in the order a written recording has them.
+    pub const ALL: [Self; 13] = [
+        Self::Time,
+        Self::Reference,
+        Self::Position,
+        Self::EffortCmd,
+        Self::FieldCmd,
+        Self::Mode,
+        Self::Velocity,
+        Self::EffortMeas,
+        Self::FieldMeas,
+        Self::Temperature,
+        Self::Seq,
+        Self::Fault,
+        Self::Counts,
+    ];
+
+    /// Columns no recording can do without.
+    pub const REQUIRED: [Self; 3] = [Self::Time, Self::Position, Self::EffortCmd];
+
+    /// The name in the header.
+    pub fn name(self, axis: AxisKind) -> &'static str {
+        let (rotary, linear) = match self {
+            Self::Time => ("t_s", "t_s"),
+            Self::Reference => ("reference_rad", "reference_m"),
+            Self::Position => ("position_rad", "position_m"),
+            Self::EffortCmd => ("torque_cmd_nm", "force_cmd_n"),
+            Self::FieldCmd => ("field_cmd_kv_mm", "field_cmd_kv_mm"),
+            Self::Mode => ("mode", "mode"),
+            Self::Velocity => ("velocity_rad_s", "velocity_m_s"),
+            Self::EffortMeas => ("torque_meas_nm", "force_meas_n"),
+            Self::FieldMeas => ("field_meas_kv_mm", "field_meas_kv_mm"),
+            Self::Temperature => ("temperature_c", "temperature_c"),
+            Self::Seq => ("seq", "seq"),
+            Self::Fault => ("fault", "fault"),
+            Self::Counts => ("counts", "counts"),
+        };
+        match axis {
+            AxisKind::Rotary => rotary,
+            AxisKind::Linear => linear,
+        }
+    }
+
+    fn named(name: &str, axis: AxisKind) -> Option<Self> {
+        Self::ALL.into_iter().find(|column| column.name(axis) == name)
+    }
+
+    /// Whether the name tells the kind of axis.
+    fn tells_axis(self) -> bool {
+        self.name(AxisKind::Rotary) != self.name(AxisKind::Linear)
+    }
+}
+
+/// A header made sense of.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Header {
+    pub(crate) axis: AxisKind,
+    /// For each column of the file its name, and which column of the format it is; none for one the format does not
+    /// know.
+    pub(crate) columns: Vec<(String, Option<Column>)>,
+}
+
+impl Header {
+    /// Checks the column names of `file`: known, not doubled, of one kind of axis (`expected`, where the machine tells),
+    /// and none of the required ones missing. `line` is that of the header, none where the file has no lines.
+    pub(crate) fn resolve(
+        file: &Path,
+        line: Option<u64>,
+        names: Vec<String>,
+        expected: Option<AxisKind>,
+    ) -> Result<Self, Error> {
+        refuse_unusable_names(file, line, &names)?;
+        let axis = axis_of(file, line, &names, expected)?;
+        let columns: Vec<_> = names
+            .into_iter()
+            .map(|name| {
+                let column = Column::named(&name, axis);
+                (name, column)
+            })
+            .collect();
+        let header = Self { axis, columns };
+        for required in Column::REQUIRED {
+            if !header.columns.iter().any(|(_, column)| *column == Some(required)) {
+                return Err(header.missing(file, line, required.name(axis)));
+            }
+        }
+        Ok(header)
+    }
+
+    fn missing(&self, file: &Path, line: Option<u64>, required: &str) -> Error {
+        let unknown = self.columns.iter().filter(|(_, column)| column.is_none()).map(|(name, _)| name.as_str());
+        let message = match misspelt(required, unknown) {
+            Some(near) => format!("required column is missing; is {} meant to be it?", quoted(near)),
+            None => {
+                let names: Vec<_> = self.columns.iter().map(|(name, _)| name.as_str()).collect();
+                format!("required column is missing; the file has {}", quoted_list(&names))
+            }
+        };
+        Error::input(file, line, required, message)
+    }
+}
+
+/// At most a dozen names, for a message.
+fn quoted_list(names: &[&str]) -> String {
+    let shown: Vec<_> = names.iter().take(12).map(|name| quoted(name)).collect();
+    let more = names.len().saturating_sub(shown.len());
+    if more == 0 { shown.join(", ") } else { format!("{} and {more} more", shown.join(", ")) }
+}
+
+fn refuse_unusable_names(file: &Path, line: Option<u64>, names: &[String]) -> Result<(), Error> {
+    if let [only] = names
+        && only.contains([';', '\t'])
+    {
+        let message = format!("columns must be separated by commas; the header is {}", quoted(only));
+        return Err(Error::input(file, line, "", message));
+    }
+    if !names.is_empty() && names.iter().all(|name| name.parse::<f64>().is_ok()) {
+        return Err(Error::input(file, line, "", "header row is missing: the first line holds numbers only"));
+    }
+    for (index, name) in names.iter().enumerate() {
+        if name.is_empty() {
+            return Err(Error::input(file, line, "", format!("column {} has no name", index + 1)));
+        }
+        if let Some(first) = names[..index].iter().position(|earlier| earlier == name) {
+            let message = format!("column is there twice, as column {} and column {}", first + 1, index + 1);
+            return Err(Error::input(file, line, name, message));
+        }
+    }
+    Ok(())
+}
+
+/// The kind of axis the names tell; `expected` where they tell none.
+fn axis_of(file: &Path, line: Option<u64>, names: &[String], expected: Option<AxisKind>) -> Result<AxisKind, Error> {
+    let first =
+        |axis| names.iter().find(|name| Column::named(name, axis).is_some_and(Column::tells_axis)).map(String::as_str);
+    match (first(AxisKind::Rotary), first(AxisKind::Linear), expected) {
+        (Some(rotary), Some(linear), _) => {
+            let message = format!("mixed runs: the column is of a linear axis, but `{rotary}` is of a rotary one");
+            Err(Error::input(file, line, linear, message))
+        }
+        (Some(name), None, Some(AxisKind::Linear)) => Err(wrong_axis(file, line, name, AxisKind::Rotary)),
+        (None, Some(name), Some(AxisKind::Rotary)) => Err(wrong_axis(file, line, name, AxisKind::Linear)),
+        (None, Some(_), _) => Ok(AxisKind::Linear),
+        (Some(_), None, _) => Ok(AxisKind::Rotary),
+        (None, None, expected) => Ok(expected.unwrap_or(AxisKind::Rotary)),
+    }
+}
+
+fn wrong_axis(file: &Path, line: Option<u64>, name: &str, recording: AxisKind) -> Error {
+    let machine = match recording {
+        AxisKind::Rotary => AxisKind::Linear,
+        AxisKind::Linear => AxisKind::Rotary,
+    };
+    let (recording, machine) = (recording.name(), machine.name());
+    let message = format!("the column is of a {recording} axis, but the axis of the machine is {machine}");
+    Error::input(file, line, name, message)
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    fn resolve(names: &str, expected: Option<AxisKind>) -> Result<Header, String> {
+        let names = names.split(',').map(str::to_owned).collect();
+        Header::resolve(Path::new("a.csv"), Some(1), names, expected).map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn units_tell_the_axis() {
+        assert_eq!(resolve("t_s,position_rad,torque_cmd_nm", None).unwrap().axis, AxisKind::Rotary);
+        assert_eq!(resolve("t_s,position_m,force_cmd_n,x", None).unwrap().axis, AxisKind::Linear);
+        let error = resolve("t_s,position_m,force_cmd_n", Some(AxisKind::Rotary)).unwrap_err();
+        assert_eq!(error, "a.csv:1: position_m: the column is of a linear axis, but the axis of the machine is rotary");
+        let error = resolve("t_s,position_m,torque_cmd_nm", None).unwrap_err();
+        assert!(error.contains("mixed runs") && error.contains("torque_cmd_nm"), "{error}");
+    }
+
+    #[test]
+    fn bad_headers_name_the_column() {
+        let error = resolve("t_s,positon_rad,torque_cmd_nm", None).unwrap_err();
+        assert_eq!(error, "a.csv:1: position_rad: required column is missing; is `positon_rad` meant to be it?");
+        let error = resolve("t_s,t_s,position_rad,torque_cmd_nm", None).unwrap_err();
+        assert_eq!(error, "a.csv:1: t_s: column is there twice, as column 1 and column 2");
+        assert!(resolve("t_s;position_rad;torque_cmd_nm", None).unwrap_err().contains("separated by commas"));
+        assert!(resolve("0,1,2", None).unwrap_err().contains("header row is missing"));
+        assert!(resolve("t_s,,position_rad", None).unwrap_err().contains("column 2 has no name"));
+    }
+}

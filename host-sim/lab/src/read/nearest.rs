@@ -1,0 +1,43 @@
+//! The nearest known word, for messages about a key or a column that is not one.
+
+/// The candidate that most resembles `word`; none only where there are no candidates.
+pub(crate) fn nearest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    scored(word, candidates).map(|(_, candidate)| candidate)
+}
+
+/// The candidate `word` is probably a misspelling of: at most four letters in ten differ.
+pub(crate) fn misspelt<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    scored(word, candidates).filter(|(likeness, _)| *likeness >= 0.6).map(|(_, candidate)| candidate)
+}
+
+fn scored<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<(f64, &'a str)> {
+    // Comparing is quadratic in the length; no known word is longer than this, and a corrupt file may hold a huge one.
+    let word: String = word.chars().take(64).collect::<String>().to_lowercase();
+    candidates
+        .into_iter()
+        .map(|candidate| (strsim::normalized_damerau_levenshtein(&word, candidate), candidate))
+        .max_by(|one, other| one.0.total_cmp(&other.0))
+}
+
+/// A piece of the user's input as a message quotes it: one line, at most 40 characters.
+pub(crate) fn quoted(text: &str) -> String {
+    let mut short: String = text.chars().take(40).collect();
+    if short.len() < text.len() {
+        short.push('…');
+    }
+    format!("`{}`", short.escape_debug())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_misspelling_is_found_and_a_stranger_is_not() {
+        let known = ["t_s", "position_rad", "torque_cmd_nm"];
+        assert_eq!(misspelt("positon_rad", known), Some("position_rad"));
+        assert_eq!(misspelt("torque_nm", known), Some("torque_cmd_nm"));
+        assert_eq!(misspelt("humidity", known), None);
+        assert_eq!(nearest("inertai", ["inertia", "coulomb"]), Some("inertia"));
+    }
+}
