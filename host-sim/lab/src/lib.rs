@@ -6,5 +6,6 @@
 pub mod cli;
 pub mod error;
 pub mod read;
+pub mod stability;
 
 pub use error::Error;

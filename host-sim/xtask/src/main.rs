@@ -1,2 +1,60 @@
-//! xtask.
-fn main() {}
+//! The one entry for developers and CI: `cargo xtask <command>`.
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+mod firmware;
+mod run;
+mod test;
+mod toolchain;
+
+/// Builds, checks and tests everything.
+#[derive(Debug, Parser)]
+#[command(name = "cargo xtask")]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Format, lints as errors, docs, every test, the image and the emulated board; stops at the first failure.
+    Test,
+    /// Builds the release image for the STM32F427 and prints what it takes of flash and RAM.
+    Firmware,
+    /// Runs the release image on the emulated board with the plant behind its pins.
+    Board {
+        /// What follows goes to the emulated board; `--help` lists it.
+        #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
+        arguments: Vec<String>,
+    },
+    /// Runs every benchmark.
+    Bench,
+    /// Rewrites the golden files from what the tests compute now; look at the diff before committing it.
+    Golden,
+}
+
+fn main() -> ExitCode {
+    let outcome = match Cli::parse().command {
+        Command::Test => test::all(),
+        Command::Firmware => firmware::build().map(|image| image.print()),
+        Command::Board { arguments } => firmware::board(&arguments),
+        Command::Bench => test::bench(),
+        Command::Golden => test::golden(),
+    };
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(message) => {
+            eprintln!("xtask: {message}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// Root of the workspace.
+fn root() -> PathBuf {
+    let here = Path::new(env!("CARGO_MANIFEST_DIR"));
+    here.ancestors().nth(2).unwrap_or(here).to_path_buf()
+}

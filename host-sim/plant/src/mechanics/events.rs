@@ -1,0 +1,213 @@
+//! Motion through one segment: sliding and sticking, with every change between them located in time.
+
+use super::state::{Motion, State};
+use crate::Segment;
+
+/// A law of motion that events are located on. Times `t` count from the start of the segment, s.
+pub(crate) trait Flow {
+    /// State `h` seconds of sliding after `x`, all in one motion and one regime.
+    fn step(&self, segment: &Segment, t: f64, x: &State, h: f64) -> State;
+
+    /// Acceleration while sliding, rad/s^2 (m/s^2).
+    fn acceleration(&self, segment: &Segment, t: f64, x: &State) -> f64;
+
+    /// At standstill: the torque that pushes the rotor, and the drag that holds it against pushes in that direction.
+    fn rest_balance(&self, segment: &Segment, t: f64, x: &State) -> Balance;
+
+    /// Longest step from `x` with full accuracy, s.
+    fn longest_step(&self, segment: &Segment, t: f64, x: &State) -> f64;
+
+    /// Whether the balance at standstill has one sign change at most on a segment, so that its ends tell.
+    fn rest_is_monotone(&self, segment: &Segment) -> bool;
+
+    /// Settles what jumps at the start of a segment or is new at a start state: regime, clipped bristles.
+    fn enter(&self, _segment: &Segment, _t: f64, _x: &mut State) {}
+
+    /// Positive as long as the regime of `x` holds; infinite where there is nothing to leave.
+    fn guard(&self, _segment: &Segment, _t: f64, _x: &State) -> f64 {
+        f64::INFINITY
+    }
+
+    /// Puts a state whose guard has reached zero into its next regime.
+    fn leave_regime(&self, _segment: &Segment, _t: f64, _x: &mut State) {}
+}
+
+/// Torques at standstill, N m (N).
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Balance {
+    /// Motor and position-dependent torque together.
+    pub push: f64,
+    /// Largest drag against that push.
+    pub hold: f64,
+}
+
+impl Balance {
+    /// Negative once the rotor breaks away.
+    fn margin(&self) -> f64 {
+        self.hold - self.push.abs()
+    }
+
+    fn motion(&self) -> Motion {
+        if self.margin() < 0.0 { Motion::along(self.push) } else { Motion::Stuck }
+    }
+}
+
+/// Shortest advance of an event, s. It only acts where torques balance to the last bit and the location of the event
+/// has no digits left; the rotor moves less than 1e-17 rad in it.
+const LEAST_ADVANCE_S: f64 = 1e-11;
+
+/// Moves `x` from `from_s` to `to_s` within the segment; both count from its start.
+#[inline]
+pub(crate) fn run<F: Flow>(flow: &F, segment: &Segment, from_s: f64, to_s: f64, x: &mut State) {
+    let mut t = from_s;
+    flow.enter(segment, t, x);
+    while t < to_s {
+        t = match x.motion {
+            Motion::Stuck => rest(flow, segment, t, to_s, x),
+            Motion::Forward | Motion::Backward => slide(flow, segment, t, to_s, x),
+        };
+    }
+}
+
+/// Waits for break-away; returns the time reached. The rotor has not moved.
+fn rest<F: Flow>(flow: &F, segment: &Segment, t: f64, to_s: f64, x: &mut State) -> f64 {
+    let balance = flow.rest_balance(segment, t, x);
+    x.motion = balance.motion();
+    if x.motion != Motion::Stuck {
+        return t;
+    }
+    let h =
+        if flow.rest_is_monotone(segment) { to_s - t } else { (to_s - t).min(0.25 * flow.longest_step(segment, t, x)) };
+    let end = if h < to_s - t { t + h } else { to_s };
+    let margin = |h: f64| flow.rest_balance(segment, t + h, x).margin();
+    let last = margin(h);
+    if last >= 0.0 {
+        return end;
+    }
+    let h = root(margin, (0.0, balance.margin()), (h, last));
+    x.motion = Motion::along(flow.rest_balance(segment, t + h, x).push);
+    t + h
+}
+
+/// Slides until the first event or `to_s`; returns the time reached.
+#[inline]
+fn slide<F: Flow>(flow: &F, segment: &Segment, t: f64, to_s: f64, x: &mut State) -> f64 {
+    let longest = flow.longest_step(segment, t, x);
+    let (mut h, mut end) = if longest < to_s - t { (longest, t + longest) } else { (to_s - t, to_s) };
+    let mut next = flow.step(segment, t, x, h);
+    let stop = stop_within(flow, segment, t, x, h, &next);
+    match stop {
+        Stop::Never => {}
+        Stop::AtOnce { wait_s } => {
+            x.velocity = 0.0;
+            x.motion = Motion::Stuck;
+            return (t + wait_s.max(LEAST_ADVANCE_S)).min(to_s);
+        }
+        Stop::After(stop_s) => {
+            (h, end) = (stop_s, t + stop_s);
+            next = flow.step(segment, t, x, h);
+        }
+    }
+    let last = flow.guard(segment, t + h, &next);
+    if last < 0.0 {
+        let first = flow.guard(segment, t, x);
+        let guard = |h: f64| flow.guard(segment, t + h, &flow.step(segment, t, x, h));
+        let h = root(guard, (0.0, first.max(0.0)), (h, last)).max(LEAST_ADVANCE_S).min(h);
+        *x = flow.step(segment, t, x, h);
+        flow.leave_regime(segment, t + h, x);
+        return t + h;
+    }
+    *x = next;
+    if matches!(stop, Stop::After(_)) {
+        x.velocity = 0.0;
+        x.motion = flow.rest_balance(segment, end, x).motion();
+    }
+    end
+}
+
+/// Whether and when sliding comes to a stop within a step.
+enum Stop {
+    Never,
+    /// After that time, s.
+    After(f64),
+    /// The rotor could not even start; the balance tips back after `wait_s`.
+    AtOnce {
+        wait_s: f64,
+    },
+}
+
+/// Finds the first zero of the speed. The speed along the motion has one interior extremum at most in a step (exact for
+/// the nominal machine, where w' exp(viscous t / J) is monotone), so the ends and that extremum tell everything.
+#[inline]
+fn stop_within<F: Flow>(flow: &F, segment: &Segment, t: f64, x: &State, h: f64, next: &State) -> Stop {
+    let sign = x.motion.sign();
+    let start = sign * x.velocity;
+    let end = sign * next.velocity;
+    let first_slope = sign * flow.acceleration(segment, t, x);
+    // No slope in the step is steeper than twice the first one downwards when the speed stays this far away.
+    if end > 0.0 && start + 2.0 * first_slope * h > 0.0 {
+        return Stop::Never;
+    }
+    let state = |h: f64| flow.step(segment, t, x, h);
+    let speed = |h: f64| sign * state(h).velocity;
+    let slope = |h: f64| sign * flow.acceleration(segment, t + h, &state(h));
+    let last_slope = sign * flow.acceleration(segment, t + h, next);
+    if end > 0.0 {
+        if first_slope >= 0.0 || last_slope <= 0.0 {
+            return Stop::Never;
+        }
+        let dip = root(slope, (0.0, first_slope), (h, last_slope));
+        let lowest = speed(dip);
+        return if lowest > 0.0 { Stop::Never } else { Stop::After(root(speed, (0.0, start), (dip, lowest))) };
+    }
+    if start > 0.0 {
+        return Stop::After(root(speed, (0.0, start), (h, end)));
+    }
+    // Just broken away: the speed rises from zero before it can return to it.
+    if first_slope <= 0.0 || last_slope >= 0.0 {
+        return Stop::AtOnce { wait_s: 0.0 };
+    }
+    let top = root(slope, (0.0, first_slope), (h, last_slope));
+    let highest = speed(top);
+    if highest > 0.0 { Stop::After(root(speed, (top, highest), (h, end))) } else { Stop::AtOnce { wait_s: top } }
+}
+
+/// Where `f` changes sign between two points whose values are given: regula falsi in the Illinois form, which keeps the
+/// bracket, with a bisection wherever it stalls.
+fn root(f: impl Fn(f64) -> f64, mut low: (f64, f64), mut high: (f64, f64)) -> f64 {
+    let tolerance = 1e-14 * high.0.abs() + 1e-18;
+    let mut width = high.0 - low.0;
+    let mut side = 0;
+    for _ in 0..80 {
+        let mut x = high.0 - high.1 * (high.0 - low.0) / (high.1 - low.1);
+        if high.0 - low.0 > 0.5 * width || !(low.0..=high.0).contains(&x) {
+            x = 0.5 * (low.0 + high.0);
+            side = 0;
+        }
+        width = high.0 - low.0;
+        let value = f(x);
+        if value == 0.0 || width <= tolerance {
+            return x;
+        }
+        if (value < 0.0) == (high.1 < 0.0) {
+            if x == high.0 {
+                return x;
+            }
+            high = (x, value);
+            if side == 1 {
+                low.1 *= 0.5;
+            }
+            side = 1;
+        } else {
+            if x == low.0 {
+                return x;
+            }
+            low = (x, value);
+            if side == -1 {
+                high.1 *= 0.5;
+            }
+            side = -1;
+        }
+    }
+    0.5 * (low.0 + high.0)
+}

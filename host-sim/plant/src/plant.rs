@@ -1,0 +1,80 @@
+//! The machine in closed loop.
+
+use crate::actuation::Actuation;
+use crate::{Command, Error, Mechanics, Model, Segment, State};
+
+/// Actuation and mechanics together, one command at a time.
+///
+/// ```
+/// use plant::{Command, Model, Plant, State};
+///
+/// let mut plant = Plant::new(&Model::paper(), State::default(), 0.0)?;
+/// for tick in 1..=200 {
+///     // 2 N m and 1 kV/mm, held for 0.5 ms; the drive answers after 5 ms.
+///     plant.advance(&Command::new(2.0, 1.0), f64::from(tick) * 0.0005)?;
+/// }
+/// assert!(plant.state().position > 0.0);
+/// # Ok::<(), plant::Error>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct Plant {
+    actuation: Actuation,
+    mechanics: Mechanics,
+    state: State,
+    last: Option<Segment>,
+}
+
+impl Plant {
+    /// At `start_s` in `state`, with zero commands held since ever.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] where the model does not hold water, [`Error::Time`] for a start that is no number.
+    pub fn new(model: &Model, state: State, start_s: f64) -> Result<Self, Error> {
+        let mechanics = Mechanics::new(model)?;
+        if !start_s.is_finite() {
+            return Err(Error::Time { previous_s: 0.0, t_s: start_s });
+        }
+        let actuation = Actuation::new(model, &Command::default(), start_s);
+        Ok(Self { actuation, mechanics, state, last: None })
+    }
+
+    /// Holds `command` from now until `until_s` and moves there.
+    ///
+    /// # Errors
+    /// [`Error::Command`] for a command that is no number, [`Error::Time`] where time runs back; nothing has moved then.
+    #[inline]
+    pub fn advance(&mut self, command: &Command, until_s: f64) -> Result<(), Error> {
+        let previous_s = self.actuation.now_s();
+        if !(until_s >= previous_s && until_s.is_finite()) {
+            return Err(Error::Time { previous_s, t_s: until_s });
+        }
+        command.check(previous_s)?;
+        self.actuation.command(command);
+        while self.actuation.now_s() < until_s {
+            let segment = self.actuation.next_segment(until_s);
+            self.mechanics.run(&segment, segment.start_s, segment.end_s, &mut self.state);
+            self.last = Some(segment);
+        }
+        Ok(())
+    }
+
+    /// True state of the mechanics now.
+    pub fn state(&self) -> &State {
+        &self.state
+    }
+
+    /// Puts the mechanics elsewhere; commands under way stay under way.
+    pub fn set_state(&mut self, state: State) {
+        self.state = state;
+    }
+
+    /// Now, s.
+    pub fn now_s(&self) -> f64 {
+        self.actuation.now_s()
+    }
+
+    /// What acted on the rotor just before now; none before the first advance.
+    pub fn last_segment(&self) -> Option<&Segment> {
+        self.last.as_ref()
+    }
+}

@@ -1,0 +1,115 @@
+//! The image, and the emulated board that runs it.
+
+use std::fs;
+use std::path::PathBuf;
+
+use crate::root;
+use crate::run::{cargo, run};
+use crate::toolchain::{TARGET, Toolchain};
+
+/// Flash the image may take, bytes.
+const FLASH_BUDGET: u64 = 64 * 1024;
+
+/// A built image.
+#[derive(Debug)]
+pub struct Image {
+    /// The ELF file.
+    pub elf: PathBuf,
+    sections: Vec<Section>,
+}
+
+#[derive(Debug)]
+struct Section {
+    name: String,
+    address: u64,
+    bytes: u64,
+    in_file: bool,
+}
+
+/// Builds the release image.
+///
+/// # Errors
+///
+/// No compiler, a failed build, an image that is not an ELF file or takes more flash than it may.
+pub fn build() -> Result<Image, String> {
+    let root = root();
+    let target_dir = root.join("target/firmware");
+    let toolchain = Toolchain::find(&root)?;
+    run(toolchain.cargo(&root, &target_dir, &["build", "--release", "--bin", "er-servo"]))?;
+    let elf = target_dir.join(TARGET).join("release/er-servo");
+    let image = Image::read(elf)?;
+    let flash = image.flash_bytes();
+    if flash > FLASH_BUDGET {
+        return Err(format!("the image takes {flash} bytes of flash, {FLASH_BUDGET} are allowed"));
+    }
+    Ok(image)
+}
+
+/// Builds the image and runs it on the emulated board.
+///
+/// # Errors
+///
+/// As [`build`], and whatever ends the board.
+pub fn board(arguments: &[String]) -> Result<(), String> {
+    let image = build()?;
+    let mut command =
+        cargo(&root().join("host-sim/board"), &["run", "--release", "--ignore-rust-version", "--quiet", "--"]);
+    command.arg("--elf").arg(&image.elf).args(arguments);
+    run(command)
+}
+
+impl Image {
+    /// Bytes of flash: everything that is loaded, initial values of RAM included.
+    pub fn flash_bytes(&self) -> u64 {
+        self.sections.iter().filter(|section| section.in_file).map(|section| section.bytes).sum()
+    }
+
+    /// Bytes of RAM taken by statics, the stack not counted.
+    pub fn ram_bytes(&self) -> u64 {
+        self.sections.iter().filter(|section| section.address >= 0x1000_0000).map(|section| section.bytes).sum()
+    }
+
+    /// Says what the image takes.
+    pub fn print(&self) {
+        println!("{}", self.elf.display());
+        for section in &self.sections {
+            println!("  {:<14} {:#010x} {:>7} bytes", section.name, section.address, section.bytes);
+        }
+        println!("flash {} of {FLASH_BUDGET} bytes, static RAM {} bytes", self.flash_bytes(), self.ram_bytes());
+    }
+
+    /// The allocated sections, straight from the section headers of a 32-bit little-endian ELF.
+    fn read(elf: PathBuf) -> Result<Self, String> {
+        let bytes = fs::read(&elf).map_err(|error| format!("{}: {error}", elf.display()))?;
+        let sections = sections(&bytes).ok_or_else(|| format!("{}: not a 32-bit ELF file", elf.display()))?;
+        Ok(Self { elf, sections })
+    }
+}
+
+fn sections(elf: &[u8]) -> Option<Vec<Section>> {
+    const ALLOCATED: u32 = 2;
+    const NO_BITS: u32 = 8;
+    let word = |at: usize| Some(u32::from_le_bytes(elf.get(at..at.checked_add(4)?)?.try_into().ok()?));
+    let half = |at: usize| Some(u16::from_le_bytes(elf.get(at..at.checked_add(2)?)?.try_into().ok()?));
+    if elf.get(..5)? != b"\x7fELF\x01" {
+        return None;
+    }
+    let (table, size, count, names) = (word(32)? as usize, half(46)? as usize, half(48)?, half(50)? as usize);
+    let header = |nth: usize| table + nth * size;
+    let names_at = word(header(names) + 16)? as usize;
+    let mut found = Vec::new();
+    for nth in 0..usize::from(count) {
+        let at = header(nth);
+        let bytes = word(at + 20)?;
+        if word(at + 8)? & ALLOCATED != 0 && bytes > 0 {
+            let name = elf.get(names_at + word(at)? as usize..)?.split(|byte| *byte == 0).next()?;
+            found.push(Section {
+                name: String::from_utf8_lossy(name).into_owned(),
+                address: word(at + 12)?.into(),
+                bytes: bytes.into(),
+                in_file: word(at + 4)? != NO_BITS,
+            });
+        }
+    }
+    Some(found)
+}

@@ -1,0 +1,97 @@
+//! Everything that must hold before a change lands.
+
+use std::process::Command;
+use std::time::Instant;
+
+use crate::run::{cargo, output, run};
+use crate::{firmware, root};
+
+/// Runs every step; one line each with its seconds, and a last line with all of them.
+///
+/// # Errors
+///
+/// The first step that fails.
+pub fn all() -> Result<(), String> {
+    let root = root();
+    let board = root.join("host-sim/board");
+    println!("set up: {}", set_up());
+
+    let mut steps = Steps::default();
+    steps.cargo("fmt", &["fmt", "--all", "--check"])?;
+    steps.cargo("clippy", &["clippy", "--workspace", "--all-targets", "--", "-D", "warnings"])?;
+    steps.run("doc", {
+        let mut command = cargo(&root, &["doc", "--workspace", "--no-deps", "--document-private-items"]);
+        command.env("RUSTDOCFLAGS", "-D warnings");
+        command
+    })?;
+    steps.cargo("tests", &["test", "--workspace"])?;
+    steps.cargo("tests, release", &["test", "--workspace", "--release"])?;
+    steps.step("firmware", || firmware::build().map(|image| image.print()))?;
+    let on_board = |arguments: &[&str]| cargo(&board, arguments);
+    steps.run("board fmt", on_board(&["fmt", "--check"]))?;
+    steps.run("board clippy", {
+        on_board(&["clippy", "--release", "--ignore-rust-version", "--all-targets", "--", "-D", "warnings"])
+    })?;
+    steps.run("board tests", on_board(&["test", "--release", "--ignore-rust-version"]))?;
+    println!("xtask test: all passed: {}", steps.summary());
+    Ok(())
+}
+
+/// Runs every benchmark of the workspace.
+///
+/// # Errors
+///
+/// The benchmark that fails.
+pub fn bench() -> Result<(), String> {
+    run(cargo(&root(), &["bench", "--workspace"]))
+}
+
+/// Runs the tests with `UPDATE_GOLDEN=1`, which makes those with a golden file write it instead of comparing.
+///
+/// # Errors
+///
+/// A test that fails for another reason.
+pub fn golden() -> Result<(), String> {
+    let mut command = cargo(&root(), &["test", "--workspace"]);
+    command.env("UPDATE_GOLDEN", "1");
+    run(command)
+}
+
+fn set_up() -> String {
+    let version =
+        |program: &str| output(Command::new(program).arg("--version")).unwrap_or_else(|| format!("no {program}"));
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    format!("{}, {}, {cores} cores", version("rustc"), version("cargo"))
+}
+
+#[derive(Debug, Default)]
+struct Steps {
+    done: Vec<(String, f64)>,
+}
+
+impl Steps {
+    fn cargo(&mut self, name: &str, arguments: &[&str]) -> Result<(), String> {
+        self.run(name, cargo(&root(), arguments))
+    }
+
+    fn run(&mut self, name: &str, command: Command) -> Result<(), String> {
+        self.step(name, || run(command))
+    }
+
+    fn step(&mut self, name: &str, act: impl FnOnce() -> Result<(), String>) -> Result<(), String> {
+        println!("== {name}");
+        let start = Instant::now();
+        let outcome = act();
+        let seconds = start.elapsed().as_secs_f64();
+        let verdict = if outcome.is_ok() { "ok" } else { "FAILED" };
+        println!("== {name}: {verdict}, {seconds:.1} s");
+        self.done.push((name.to_owned(), seconds));
+        outcome.map_err(|error| format!("step {name}: {error}"))
+    }
+
+    fn summary(&self) -> String {
+        let total: f64 = self.done.iter().map(|(_, seconds)| seconds).sum();
+        let each: Vec<String> = self.done.iter().map(|(name, seconds)| format!("{name} {seconds:.0} s")).collect();
+        format!("{}; total {total:.0} s", each.join(", "))
+    }
+}

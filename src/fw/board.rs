@@ -1,0 +1,171 @@
+//! The board: clocks, pins, buses. The only place that knows which pin is what.
+//!
+//! | pin | signal | scaling, level |
+//! |---|---|---|
+//! | PA5, PA6, PA7, PA4 | SPI1 SCK, MISO, MOSI, select of the AD2S1210 (WR/FSYNC) | mode 1, 10.5 MHz |
+//! | PB0, PB1, PB2, PB10 | SAMPLE, A0, A1, RESET of the AD2S1210 | pull-down on RESET |
+//! | PB13, PB14, PB15, PB12 | SPI2 SCK, MISO, MOSI, select of the AD5754R (SYNC) | mode 1, 10.5 MHz |
+//! | PC6, PC7 | LDAC, CLR of the AD5754R | pull-down on CLR: outputs 0 V until the image runs |
+//! | PC0 | ADC1 channel 10, field monitor | 0..3.3 V is 0..4 kV/mm |
+//! | PC1 | high-voltage interlock | high: closed; internal pull-down |
+//! | PC2 | emergency stop | high: released; internal pull-down |
+//! | PC3 | brake feedback | high: the damper brakes |
+//! | PC8 | high-voltage enable | high: enabled; pull-down |
+//! | PC9 | fault lamp | high: a fault is latched |
+//! | PA2, PA3 | USART2 TX, RX, command link | 921600 baud, 8N1 |
+
+use cortex_m::singleton;
+use embedded_hal::delay::DelayNs;
+use embedded_hal::spi::MODE_1;
+use embedded_hal_bus::spi::{ExclusiveDevice, NoDelay};
+use er_servo::app::{FieldMonitor, Servo, Wiring};
+use er_servo::drivers::ad2s1210::{self, Ad2s1210};
+use er_servo::drivers::dac::{self, Dac, Part};
+use er_servo::{Config, Faults, Frame, MonitorCode, Params};
+use heapless::spsc::{Consumer, Producer, Queue};
+use stm32f4xx_hal::adc::Adc;
+use stm32f4xx_hal::adc::config::{AdcConfig, SampleTime, Sequence};
+use stm32f4xx_hal::gpio::{Input, Output, PEPin, PushPull};
+use stm32f4xx_hal::pac;
+use stm32f4xx_hal::prelude::*;
+use stm32f4xx_hal::rcc;
+use stm32f4xx_hal::spi::Spi;
+use stm32f4xx_hal::timer::{CounterHz, Event};
+use stm32f4xx_hal::watchdog::IndependentWatchdog;
+
+/// PC8.
+pub const HV_ENABLE_PIN: u32 = 8;
+/// PC7, CLR of the DAC.
+pub const CLEAR_PIN: u32 = 7;
+/// PC9.
+pub const FAULT_LAMP_PIN: u32 = 9;
+
+/// Frames between the interrupt and the log: 64 ms, power of two for a cheap queue.
+pub const QUEUE_FRAMES: usize = 128;
+/// The drive restarts when thread mode or the tick stands still for this long.
+const WATCHDOG_MS: u32 = 100;
+const CORE_HZ: u32 = 168_000_000;
+
+type Device<Bus, const PORT: char> = ExclusiveDevice<Spi<Bus>, PEPin<PORT, Output<PushPull>>, NoDelay>;
+/// What the application loop is wired to.
+pub type Hardware = Wiring<
+    Device<pac::SPI1, 'A'>,
+    PEPin<'B', Output<PushPull>>,
+    Device<pac::SPI2, 'B'>,
+    PEPin<'C', Output<PushPull>>,
+    PEPin<'C', Input>,
+    PEPin<'C', Output<PushPull>>,
+    Monitor,
+    CycleDelay,
+>;
+
+/// Everything of the board that the image uses.
+pub struct Board {
+    /// The application loop with its hardware; its chips are up, or their fault is reported at every tick.
+    pub servo: Servo<Hardware>,
+    /// 2 kHz, not started.
+    pub timer: CounterHz<pac::TIM2>,
+    /// Running.
+    pub watchdog: IndependentWatchdog,
+    /// Where the interrupt puts frames.
+    pub frames_in: Producer<'static, Frame>,
+    /// Where thread mode takes them.
+    pub frames: Consumer<'static, Frame>,
+    /// What the last reset says.
+    pub reset_faults: Faults,
+}
+
+impl Board {
+    /// Sets everything up, once; `None` the second time.
+    pub fn take() -> Option<Self> {
+        let mut core = cortex_m::Peripherals::take()?;
+        let device = pac::Peripherals::take()?;
+        let queue = singleton!(: Queue<Frame, QUEUE_FRAMES> = Queue::new())?;
+        let (frames_in, frames) = queue.split();
+
+        let reset_faults = reset_cause(&device.RCC);
+        let config = rcc::Config::hse(8.MHz()).sysclk(CORE_HZ.Hz()).pclk1(42.MHz()).pclk2(84.MHz());
+        let mut rcc = device.RCC.freeze(config);
+        let mut watchdog = IndependentWatchdog::new(device.IWDG);
+        // A halted core is a debugger at work, and the log must be readable while the core sleeps.
+        watchdog.stop_on_debug(&device.DBGMCU, true);
+        device.DBGMCU.cr().modify(|_, w| w.dbg_sleep().set_bit());
+        watchdog.start(WATCHDOG_MS.millis());
+        core.DCB.enable_trace();
+        core.DWT.enable_cycle_counter();
+
+        let (a, b, c) = (device.GPIOA.split(&mut rcc), device.GPIOB.split(&mut rcc), device.GPIOC.split(&mut rcc));
+        // First of all the pins that keep the outputs safe.
+        let hv_enable = c.pc8.into_push_pull_output().erase_number();
+        let clear = c.pc7.into_push_pull_output().erase_number();
+        let spi1_pins = (Some(a.pa5), Some(a.pa6), Some(a.pa7));
+        let spi1 = Spi::new(device.SPI1, spi1_pins, MODE_1, 10_500.kHz(), &mut rcc);
+        let spi2_pins = (Some(b.pb13), Some(b.pb14), Some(b.pb15));
+        let spi2 = Spi::new(device.SPI2, spi2_pins, MODE_1, 10_500.kHz(), &mut rcc);
+        let select_resolver = a.pa4.into_push_pull_output().erase_number();
+        let select_dac = b.pb12.into_push_pull_output().erase_number();
+        let resolver_pins = ad2s1210::Pins {
+            sample: b.pb0.into_push_pull_output().erase_number(),
+            a0: b.pb1.into_push_pull_output().erase_number(),
+            a1: b.pb2.into_push_pull_output().erase_number(),
+            reset: b.pb10.into_push_pull_output().erase_number(),
+        };
+        let dac_pins = dac::Pins { ldac: c.pc6.into_push_pull_output().erase_number(), clear };
+        let wiring = Wiring {
+            resolver: Ad2s1210::new(ExclusiveDevice::new_no_delay(spi1, select_resolver).ok()?, resolver_pins),
+            dac: Dac::new(ExclusiveDevice::new_no_delay(spi2, select_dac).ok()?, dac_pins, Part::Quad),
+            interlock_closed: c.pc1.into_pull_down_input().erase_number(),
+            stop_released: c.pc2.into_pull_down_input().erase_number(),
+            hv_enable,
+            fault_lamp: c.pc9.into_push_pull_output().erase_number(),
+            brake_feedback: c.pc3.into_push_pull_output().erase_number(),
+            monitor: Monitor::new(device.ADC1, c.pc0.into_analog(), &mut rcc),
+            delay: CycleDelay,
+        };
+        let servo = Servo::new(wiring, Params::new(&Config::default()).ok()?);
+        let mut timer = device.TIM2.counter_hz(&mut rcc);
+        timer.listen(Event::Update);
+        Some(Self { servo, timer, watchdog, frames_in, frames, reset_faults })
+    }
+}
+
+/// Reads why the MCU was reset, and clears it for the next time. A reset by a debugger or by power is none of ours.
+fn reset_cause(rcc: &pac::RCC) -> Faults {
+    let cause = rcc.csr().read();
+    rcc.csr().modify(|_, w| w.rmvf().set_bit());
+    if cause.wdgrstf().bit_is_set() || cause.wwdgrstf().bit_is_set() { Faults::ABNORMAL_RESET } else { Faults::empty() }
+}
+
+/// The field monitor: each reading starts the next conversion, so a value is one tick old and none is waited for.
+pub struct Monitor {
+    adc: Adc<pac::ADC1>,
+}
+
+impl Monitor {
+    fn new(adc: pac::ADC1, pin: stm32f4xx_hal::gpio::PC0<stm32f4xx_hal::gpio::Analog>, rcc: &mut rcc::Rcc) -> Self {
+        let mut adc = Adc::new(adc, true, AdcConfig::default(), rcc);
+        adc.configure_channel(&pin, Sequence::One, SampleTime::Cycles_84);
+        adc.enable();
+        adc.start_conversion();
+        Self { adc }
+    }
+}
+
+impl FieldMonitor for Monitor {
+    fn read(&mut self) -> MonitorCode {
+        let code = MonitorCode(self.adc.current_sample());
+        self.adc.start_conversion();
+        code
+    }
+}
+
+/// Waits by counting instructions: start-up, and the few hundred nanoseconds of a tick that a chip asks for.
+pub struct CycleDelay;
+
+impl DelayNs for CycleDelay {
+    fn delay_ns(&mut self, wait_ns: u32) {
+        // 168 cycles a microsecond; the division by 1000 as a shift, rounded up.
+        let cycles = (u64::from(wait_ns) * 172_033) >> 20;
+        cortex_m::asm::delay(cycles as u32 + 1);
+    }
+}
