@@ -93,6 +93,17 @@ fn bad_rows_are_named_by_line_and_column() {
 }
 
 #[test]
+fn lines_are_counted_as_an_editor_counts_them() {
+    for (text, line) in [
+        ("t_s,position_rad,torque_cmd_nm\r\n0,0,0\r\n1,0,x\r\n", 3),
+        ("\n\r\nt_s,position_rad,torque_cmd_nm\n\n0,0,0\n\n\n1,0,x\n", 8),
+        ("\u{feff}t_s,position_rad,torque_cmd_nm,note\n0,0,0,\"two\nlines\"\n1,0,x,\n", 4),
+    ] {
+        assert!(read(text).unwrap_err().starts_with(&format!("a.csv:{line}: torque_cmd_nm: `x`")), "{text:?}");
+    }
+}
+
+#[test]
 fn bad_words_and_whole_numbers_are_refused() {
     let cases = [
         ("mode", "dampr", "`dampr` is not a mode; allowed are off, damper, brake; is `damper` meant?"),

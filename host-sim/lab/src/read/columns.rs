@@ -1,10 +1,7 @@
 //! Columns of a recording: their names on each kind of axis, and the header made sense of.
 
-use std::path::Path;
-
 use super::AxisKind;
 use super::nearest::{misspelt, quoted};
-use crate::Error;
 
 /// A column the format knows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -91,6 +88,20 @@ impl Column {
     }
 }
 
+/// What is wrong with a header or a cell; the reader adds where.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Complaint {
+    /// The column; empty where it is about none.
+    pub(crate) column: String,
+    pub(crate) message: String,
+}
+
+impl Complaint {
+    pub(crate) fn new(column: &str, message: impl Into<String>) -> Self {
+        Self { column: column.to_owned(), message: message.into() }
+    }
+}
+
 /// A header made sense of.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Header {
@@ -101,16 +112,11 @@ pub(crate) struct Header {
 }
 
 impl Header {
-    /// Checks the column names of `file`: known, not doubled, of one kind of axis (`expected`, where the machine tells),
-    /// and none of the required ones missing. `line` is that of the header, none where the file has no lines.
-    pub(crate) fn resolve(
-        file: &Path,
-        line: Option<u64>,
-        names: Vec<String>,
-        expected: Option<AxisKind>,
-    ) -> Result<Self, Error> {
-        refuse_unusable_names(file, line, &names)?;
-        let axis = axis_of(file, line, &names, expected)?;
+    /// Checks the column names: not doubled, of one kind of axis (`expected`, where the machine tells), and none of the
+    /// required ones missing.
+    pub(crate) fn resolve(names: Vec<String>, expected: Option<AxisKind>) -> Result<Self, Complaint> {
+        refuse_unusable_names(&names)?;
+        let axis = axis_of(&names, expected)?;
         let columns: Vec<_> = names
             .into_iter()
             .map(|name| {
@@ -121,13 +127,13 @@ impl Header {
         let header = Self { axis, columns };
         for required in Column::REQUIRED {
             if !header.columns.iter().any(|(_, column)| *column == Some(required)) {
-                return Err(header.missing(file, line, required.name(axis)));
+                return Err(header.missing(required.name(axis)));
             }
         }
         Ok(header)
     }
 
-    fn missing(&self, file: &Path, line: Option<u64>, required: &str) -> Error {
+    fn missing(&self, required: &str) -> Complaint {
         let unknown = self.columns.iter().filter(|(_, column)| column.is_none()).map(|(name, _)| name.as_str());
         let message = match misspelt(required, unknown) {
             Some(near) => format!("required column is missing; is {} meant to be it?", quoted(near)),
@@ -136,7 +142,7 @@ impl Header {
                 format!("required column is missing; the file has {}", quoted_list(&names))
             }
         };
-        Error::input(file, line, required, message)
+        Complaint::new(required, message)
     }
 }
 
@@ -147,53 +153,53 @@ fn quoted_list(names: &[&str]) -> String {
     if more == 0 { shown.join(", ") } else { format!("{} and {more} more", shown.join(", ")) }
 }
 
-fn refuse_unusable_names(file: &Path, line: Option<u64>, names: &[String]) -> Result<(), Error> {
+fn refuse_unusable_names(names: &[String]) -> Result<(), Complaint> {
     if let [only] = names
         && only.contains([';', '\t'])
     {
         let message = format!("columns must be separated by commas; the header is {}", quoted(only));
-        return Err(Error::input(file, line, "", message));
+        return Err(Complaint::new("", message));
     }
     if !names.is_empty() && names.iter().all(|name| name.parse::<f64>().is_ok()) {
-        return Err(Error::input(file, line, "", "header row is missing: the first line holds numbers only"));
+        return Err(Complaint::new("", "header row is missing: the first line holds numbers only"));
     }
     for (index, name) in names.iter().enumerate() {
         if name.is_empty() {
-            return Err(Error::input(file, line, "", format!("column {} has no name", index + 1)));
+            return Err(Complaint::new("", format!("column {} has no name", index + 1)));
         }
         if let Some(first) = names[..index].iter().position(|earlier| earlier == name) {
             let message = format!("column is there twice, as column {} and column {}", first + 1, index + 1);
-            return Err(Error::input(file, line, name, message));
+            return Err(Complaint::new(name, message));
         }
     }
     Ok(())
 }
 
 /// The kind of axis the names tell; `expected` where they tell none.
-fn axis_of(file: &Path, line: Option<u64>, names: &[String], expected: Option<AxisKind>) -> Result<AxisKind, Error> {
+fn axis_of(names: &[String], expected: Option<AxisKind>) -> Result<AxisKind, Complaint> {
     let first =
         |axis| names.iter().find(|name| Column::named(name, axis).is_some_and(Column::tells_axis)).map(String::as_str);
     match (first(AxisKind::Rotary), first(AxisKind::Linear), expected) {
         (Some(rotary), Some(linear), _) => {
             let message = format!("mixed runs: the column is of a linear axis, but `{rotary}` is of a rotary one");
-            Err(Error::input(file, line, linear, message))
+            Err(Complaint::new(linear, message))
         }
-        (Some(name), None, Some(AxisKind::Linear)) => Err(wrong_axis(file, line, name, AxisKind::Rotary)),
-        (None, Some(name), Some(AxisKind::Rotary)) => Err(wrong_axis(file, line, name, AxisKind::Linear)),
+        (Some(name), None, Some(AxisKind::Linear)) => Err(wrong_axis(name, AxisKind::Rotary)),
+        (None, Some(name), Some(AxisKind::Rotary)) => Err(wrong_axis(name, AxisKind::Linear)),
         (None, Some(_), _) => Ok(AxisKind::Linear),
         (Some(_), None, _) => Ok(AxisKind::Rotary),
         (None, None, expected) => Ok(expected.unwrap_or(AxisKind::Rotary)),
     }
 }
 
-fn wrong_axis(file: &Path, line: Option<u64>, name: &str, recording: AxisKind) -> Error {
+fn wrong_axis(name: &str, recording: AxisKind) -> Complaint {
     let machine = match recording {
         AxisKind::Rotary => AxisKind::Linear,
         AxisKind::Linear => AxisKind::Rotary,
     };
     let (recording, machine) = (recording.name(), machine.name());
     let message = format!("the column is of a {recording} axis, but the axis of the machine is {machine}");
-    Error::input(file, line, name, message)
+    Complaint::new(name, message)
 }
 
 #[cfg(test)]
@@ -203,7 +209,7 @@ mod tests {
 
     fn resolve(names: &str, expected: Option<AxisKind>) -> Result<Header, String> {
         let names = names.split(',').map(str::to_owned).collect();
-        Header::resolve(Path::new("a.csv"), Some(1), names, expected).map_err(|error| error.to_string())
+        Header::resolve(names, expected).map_err(|complaint| format!("{}: {}", complaint.column, complaint.message))
     }
 
     #[test]
@@ -211,7 +217,7 @@ mod tests {
         assert_eq!(resolve("t_s,position_rad,torque_cmd_nm", None).unwrap().axis, AxisKind::Rotary);
         assert_eq!(resolve("t_s,position_m,force_cmd_n,x", None).unwrap().axis, AxisKind::Linear);
         let error = resolve("t_s,position_m,force_cmd_n", Some(AxisKind::Rotary)).unwrap_err();
-        assert_eq!(error, "a.csv:1: position_m: the column is of a linear axis, but the axis of the machine is rotary");
+        assert_eq!(error, "position_m: the column is of a linear axis, but the axis of the machine is rotary");
         let error = resolve("t_s,position_m,torque_cmd_nm", None).unwrap_err();
         assert!(error.contains("mixed runs") && error.contains("torque_cmd_nm"), "{error}");
     }
@@ -219,9 +225,9 @@ mod tests {
     #[test]
     fn bad_headers_name_the_column() {
         let error = resolve("t_s,positon_rad,torque_cmd_nm", None).unwrap_err();
-        assert_eq!(error, "a.csv:1: position_rad: required column is missing; is `positon_rad` meant to be it?");
+        assert_eq!(error, "position_rad: required column is missing; is `positon_rad` meant to be it?");
         let error = resolve("t_s,t_s,position_rad,torque_cmd_nm", None).unwrap_err();
-        assert_eq!(error, "a.csv:1: t_s: column is there twice, as column 1 and column 2");
+        assert_eq!(error, "t_s: column is there twice, as column 1 and column 2");
         assert!(resolve("t_s;position_rad;torque_cmd_nm", None).unwrap_err().contains("separated by commas"));
         assert!(resolve("0,1,2", None).unwrap_err().contains("header row is missing"));
         assert!(resolve("t_s,,position_rad", None).unwrap_err().contains("column 2 has no name"));

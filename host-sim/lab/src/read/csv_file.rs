@@ -1,12 +1,12 @@
 //! Recordings as CSV: one pass over the file, the text of one row held at a time.
 
 use std::fs::File;
-use std::io::{self, Read};
+use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
 
 use csv::ByteRecord;
 
-use super::columns::Header;
+use super::columns::{Complaint, Header};
 use super::nearest::quoted;
 use super::values::Values;
 use super::{AxisKind, Column, Recording};
@@ -21,77 +21,117 @@ pub(crate) fn read(file: &Path, expected: Option<AxisKind>) -> Result<Recording,
 }
 
 /// Reads a recording from any stream; `file` names it in messages.
-pub(crate) fn read_from(file: &Path, input: impl Read, expected: Option<AxisKind>) -> Result<Recording, Error> {
+pub(crate) fn read_from(file: &Path, input: impl Read + Seek, expected: Option<AxisKind>) -> Result<Recording, Error> {
     let mut rows = csv::ReaderBuilder::new()
         .has_headers(false)
         // Rows of another length are refused here, with a better message.
         .flexible(true)
         .buffer_capacity(BUFFER_BYTES)
         .from_reader(LastByte { inner: input, last: None });
-    let mut row = ByteRecord::new();
-    if !next(file, &mut rows, &mut row)? {
-        return Err(Error::input(file, None, "", "the file is empty"));
+    match read_rows(&mut rows, expected) {
+        Ok((header, values)) => Recording::assemble(file, header, values),
+        Err(Misread { byte, complaint }) => {
+            let line = byte.and_then(|byte| line_at(rows.into_inner().inner, byte).ok());
+            Err(Error::input(file, line, &complaint.column, complaint.message))
+        }
     }
-    let header = header(file, &row, expected)?;
+}
+
+/// What is wrong, and the byte at or before the row it is in.
+struct Misread {
+    byte: Option<u64>,
+    complaint: Complaint,
+}
+
+impl Misread {
+    fn new(row: &ByteRecord, complaint: Complaint) -> Self {
+        Self { byte: row.position().map(csv::Position::byte), complaint }
+    }
+}
+
+fn read_rows<R: Read>(
+    rows: &mut csv::Reader<LastByte<R>>,
+    expected: Option<AxisKind>,
+) -> Result<(Header, Vec<Values>), Misread> {
+    let mut row = ByteRecord::new();
+    if !next(rows, &mut row)? {
+        return Err(Misread { byte: None, complaint: Complaint::new("", "the file is empty") });
+    }
+    let header = header(&row, expected).map_err(|complaint| Misread::new(&row, complaint))?;
     let mut values: Vec<_> = header.columns.iter().map(|(_, column)| Values::new(*column)).collect();
-    let mut line = line_of(&row);
-    while next(file, &mut rows, &mut row)? {
-        line = line_of(&row);
-        push_row(file, line, &header, &row, &mut values)?;
+    let mut last = row.clone();
+    while next(rows, &mut row)? {
+        push_row(&header, &row, &mut values).map_err(|complaint| Misread::new(&row, complaint))?;
+        std::mem::swap(&mut row, &mut last);
     }
     if rows.get_ref().last != Some(b'\n') {
         let message = "the file ends within this line: it was cut short, and its last number may be too; \
                        if it is complete, end it with a line break";
-        return Err(Error::input(file, Some(line), "", message));
+        return Err(Misread::new(&last, Complaint::new("", message)));
     }
-    Recording::assemble(file, header, values)
+    Ok((header, values))
 }
 
 /// Reads the next row; false at the end of the file.
-fn next<R: Read>(file: &Path, rows: &mut csv::Reader<R>, row: &mut ByteRecord) -> Result<bool, Error> {
-    rows.read_byte_record(row).map_err(|error| {
-        let line = error.position().map(csv::Position::line);
-        Error::input(file, line, "", format!("cannot read: {error}"))
+fn next<R: Read>(rows: &mut csv::Reader<R>, row: &mut ByteRecord) -> Result<bool, Misread> {
+    rows.read_byte_record(row).map_err(|error| Misread {
+        byte: error.position().map(csv::Position::byte),
+        complaint: Complaint::new("", format!("cannot read: {error}")),
     })
 }
 
-/// The one-based line a row begins at.
-fn line_of(row: &ByteRecord) -> u64 {
-    row.position().map_or(1, csv::Position::line)
+/// The one-based line of the row that begins at `byte`, or after the line breaks there.
+///
+/// The line that `csv` counts lags behind by blank lines and by one where lines end as on Windows; so the lines are
+/// counted afresh, once there is something to complain about.
+fn line_at(mut input: impl Read + Seek, byte: u64) -> io::Result<u64> {
+    input.seek(SeekFrom::Start(0))?;
+    let mut bytes = BufReader::new(input);
+    let mut line = 1;
+    let mut left = byte;
+    loop {
+        let buffer = bytes.fill_buf()?;
+        let Some(first) = buffer.first() else { return Ok(line) };
+        if left == 0 && !matches!(first, b'\r' | b'\n') {
+            return Ok(line);
+        }
+        // Beyond `byte` one at a time, up to the first that is no line break.
+        let count = usize::try_from(left).unwrap_or(usize::MAX).clamp(1, buffer.len());
+        line += buffer[..count].iter().filter(|byte| **byte == b'\n').count() as u64;
+        bytes.consume(count);
+        left = left.saturating_sub(count as u64);
+    }
 }
 
-fn header(file: &Path, row: &ByteRecord, expected: Option<AxisKind>) -> Result<Header, Error> {
-    let line = line_of(row);
-    let names = row.iter().enumerate().map(|(index, cell)| Ok(text(file, line, index, cell)?.trim().to_owned()));
-    Header::resolve(file, Some(line), names.collect::<Result<_, Error>>()?, expected)
+fn header(row: &ByteRecord, expected: Option<AxisKind>) -> Result<Header, Complaint> {
+    let names = row.iter().enumerate().map(|(index, cell)| Ok(text(index, cell)?.trim().to_owned()));
+    Header::resolve(names.collect::<Result<_, _>>()?, expected)
 }
 
-fn text<'a>(file: &Path, line: u64, index: usize, cell: &'a [u8]) -> Result<&'a str, Error> {
+fn text(index: usize, cell: &[u8]) -> Result<&str, Complaint> {
     std::str::from_utf8(cell).map_err(|_| {
         let what = quoted(&String::from_utf8_lossy(cell));
-        Error::input(file, Some(line), "", format!("column {}: {what} is not UTF-8 text", index + 1))
+        Complaint::new("", format!("column {}: {what} is not UTF-8 text", index + 1))
     })
 }
 
-fn push_row(file: &Path, line: u64, header: &Header, row: &ByteRecord, values: &mut [Values]) -> Result<(), Error> {
+fn push_row(header: &Header, row: &ByteRecord, values: &mut [Values]) -> Result<(), Complaint> {
     if row.len() != header.columns.len() {
         let message = format!(
             "the row has {} cells where the header has {}; was the file cut short, or are two runs mixed?",
             row.len(),
             header.columns.len()
         );
-        return Err(Error::input(file, Some(line), "", message));
+        return Err(Complaint::new("", message));
     }
     for (index, ((cell, (name, column)), values)) in row.iter().zip(&header.columns).zip(values).enumerate() {
-        let cell = text(file, line, index, cell)?;
-        let pushed = values.push(cell).and_then(|()| values.check_last(*column));
-        pushed.map_err(|message| {
-            let message = if cell.trim() == name && *column == Some(Column::Time) {
-                "the header is repeated here: the file holds two recordings; split it".to_owned()
+        let cell = text(index, cell)?;
+        values.push(cell).and_then(|()| values.check_last(*column)).map_err(|message| {
+            if cell.trim() == name && *column == Some(Column::Time) {
+                Complaint::new(name, "the header is repeated here: the file holds two recordings; split it")
             } else {
-                message
-            };
-            Error::input(file, Some(line), name, message)
+                Complaint::new(name, message)
+            }
         })?;
     }
     Ok(())
