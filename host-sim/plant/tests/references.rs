@@ -24,43 +24,59 @@ fn model(torque_delay_s: f64, dead_time_s: f64, lag_s: f64) -> Model {
     Model { torque_delay_s, er: Some(Er::new(0.0704, 0.470, dead_time_s, lag_s)), ..Model::paper() }
 }
 
-/// Step of the references, s. In the step in which the speed reaches zero the reference stays at zero to the end of the
-/// step, so every reversal costs it up to this much time. The exact motion reverses at once, and the difference adds up to
-/// 2.7e-6 rad in two of the files; a fixed-step scheme with that rule repeats `plant_none.csv` to 2e-11 rad, and moves to
-/// the exact motion as its step shrinks.
+/// Step of the references, s. In the step in which the speed passes through zero the reference stays at zero for the rest
+/// of the step, so every reversal costs it up to this much time. The exact motion reverses at once, and the difference
+/// adds up to 2.7e-6 rad in two of the files. (A fixed-step scheme with that rule repeats `plant_none.csv` to 2e-11 rad,
+/// and moves to the exact motion as its step shrinks.)
 const REFERENCE_STEP_S: f64 = 1e-6;
 
-/// Whether reversals happen at once or wait for the end of the reference's step.
+/// Whether reversals happen at once or wait, within one step of the reference, as long as the reference did.
 #[derive(Clone, Copy, PartialEq)]
 enum Reversal {
     Exact,
     AsReference,
 }
 
-/// Holds `command` until `until_s`; a reversal within it waits for the end of its step of the reference.
-fn advance(plant: &mut Plant, command: &Command, until_s: f64, reversal: Reversal) {
-    let before = plant.clone();
+/// The plant at `until_s` if its reversal at `reversal_s` takes `wait_s`.
+fn reversed_after(before: &Plant, command: &Command, reversal_s: f64, wait_s: f64, until_s: f64) -> Plant {
+    let mut plant = before.clone();
+    plant.advance(command, reversal_s).unwrap();
+    let rest = State::new(plant.state().position, 0.0);
+    plant.advance(command, (reversal_s + wait_s).min(until_s)).unwrap();
+    plant.set_state(rest);
     plant.advance(command, until_s).unwrap();
+    plant
+}
+
+/// Halves an interval until its ends are `1e-15` apart; `low_side` tells which side of the searched point a value is on.
+fn bisect(mut low: f64, mut high: f64, low_side: impl Fn(f64) -> bool) -> f64 {
+    while high - low > 1e-15 {
+        let middle = 0.5 * (low + high);
+        if middle <= low || middle >= high {
+            break;
+        }
+        if low_side(middle) { low = middle } else { high = middle }
+    }
+    low
+}
+
+/// Holds `command` until the time of `next`; a reversal waits as long as its speed there tells, at most a step.
+fn advance(plant: &mut Plant, command: &Command, next: &Row, reversal: Reversal) {
+    let before = plant.clone();
+    plant.advance(command, next[0]).unwrap();
     let sign = before.state().velocity.signum();
     let reversed = before.state().velocity != 0.0 && plant.state().velocity * sign < 0.0;
     if reversal == Reversal::Exact || !reversed {
         return;
     }
-    let (mut low, mut high) = (before.now_s(), until_s);
-    while high - low > 1e-14 {
-        let middle = 0.5 * (low + high);
+    let reversal_s = bisect(before.now_s(), next[0], |t_s| {
         let mut trial = before.clone();
-        trial.advance(command, middle).unwrap();
-        if trial.state().velocity * sign > 0.0 { low = middle } else { high = middle }
-    }
-    let mut stopped = before;
-    stopped.advance(command, low).unwrap();
-    let rest = State::new(stopped.state().position, 0.0);
-    let step_end_s = (low / REFERENCE_STEP_S).ceil() * REFERENCE_STEP_S;
-    stopped.advance(command, step_end_s.min(until_s)).unwrap();
-    stopped.set_state(rest);
-    stopped.advance(command, until_s).unwrap();
-    *plant = stopped;
+        trial.advance(command, t_s).unwrap();
+        trial.state().velocity * sign > 0.0
+    });
+    let waited = |wait_s: f64| reversed_after(&before, command, reversal_s, wait_s, next[0]);
+    let wait_s = bisect(0.0, REFERENCE_STEP_S, |wait_s| waited(wait_s).state().velocity * sign < next[4] * sign);
+    *plant = waited(wait_s);
 }
 
 /// Largest errors of position, rad, and speed, rad/s, in closed loop.
@@ -70,8 +86,9 @@ fn errors(rows: &[Row], model: &Model, reversal: Reversal) -> (f64, f64) {
     for (index, row) in rows.iter().enumerate() {
         position = position.max((plant.state().position - row[3]).abs());
         speed = speed.max((plant.state().velocity - row[4]).abs());
-        let end_s = rows.get(index + 1).map_or(row[0] + 0.0005, |next| next[0]);
-        advance(&mut plant, &Command::new(row[1], row[2]), end_s, reversal);
+        if let Some(next) = rows.get(index + 1) {
+            advance(&mut plant, &Command::new(row[1], row[2]), next, reversal);
+        }
     }
     (position, speed)
 }

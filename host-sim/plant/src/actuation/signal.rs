@@ -27,6 +27,9 @@ impl Signal {
     /// Value `dt_s` after the start of the segment.
     #[inline]
     pub fn at(&self, dt_s: f64) -> f64 {
+        if dt_s == 0.0 {
+            return self.base + self.amplitude;
+        }
         let mut value = self.base + self.slope * dt_s;
         if self.amplitude != 0.0 {
             value += self.amplitude * (-self.rate * dt_s).exp();
@@ -38,6 +41,9 @@ impl Signal {
     #[inline]
     pub(crate) fn rebased(&self, dt_s: f64) -> Self {
         let mut signal = *self;
+        if dt_s == 0.0 {
+            return signal;
+        }
         signal.base += self.slope * dt_s;
         if self.amplitude != 0.0 {
             signal.amplitude *= (-self.rate * dt_s).exp();

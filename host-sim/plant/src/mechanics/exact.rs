@@ -4,7 +4,7 @@
 //! Squaring the field gives three exponentials, and each of them integrates to [`moments`].
 
 use super::events::{Balance, Flow};
-use super::phi::{moments, phi1};
+use super::phi::{field_moments, moments};
 use super::state::{Motion, State};
 use crate::{FluidResponse, Model, Segment};
 
@@ -96,21 +96,24 @@ impl Flow for Exact {
         let torque = segment.torque.rebased(t);
         let per_inertia = self.inertia.recip();
         let beta = drag.viscous * per_inertia * h;
-        let decayed = 1.0 - beta * phi1(beta);
-        let mut velocity = x.velocity * decayed;
-        let mut position = x.position + x.velocity * h * phi1(beta);
-        let mut add = |torque: f64, exponent: f64| {
-            if torque != 0.0 {
-                let (first, second) = moments(exponent, beta);
-                velocity += torque * per_inertia * h * first;
-                position += torque * per_inertia * h * h * second;
-            }
+        let free = moments(0.0, beta);
+        let mut velocity = x.velocity * (1.0 - beta * free.0);
+        let mut position = x.position + x.velocity * h * free.0;
+        let mut add = |torque: f64, (first, second): (f64, f64)| {
+            velocity += torque * per_inertia * h * first;
+            position += torque * per_inertia * h * h * second;
         };
-        let alpha = segment.fluid.rate * h;
-        add(torque.base + segment.external_torque - sign * drag.level, 0.0);
-        add(-sign * drag.linear, alpha);
-        add(-sign * drag.square, 2.0 * alpha);
-        add(torque.amplitude, torque.rate * h);
+        add(torque.base + segment.external_torque - sign * drag.level, free);
+        if drag.linear != 0.0 {
+            let alpha = segment.fluid.rate * h;
+            let [linear, square] =
+                if beta == 0.0 { field_moments(alpha) } else { [moments(alpha, beta), moments(2.0 * alpha, beta)] };
+            add(-sign * drag.linear, linear);
+            add(-sign * drag.square, square);
+        }
+        if torque.amplitude != 0.0 {
+            add(torque.amplitude, moments(torque.rate * h, beta));
+        }
         State { position, velocity, ..*x }
     }
 
