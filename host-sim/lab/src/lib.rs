@@ -4,8 +4,16 @@
 #![forbid(unsafe_code)]
 
 pub mod cli;
+pub mod decide;
+pub mod effects;
 pub mod error;
+pub mod output;
+pub mod plot;
 pub mod read;
-pub mod stability;
+pub mod replay;
+pub mod report;
+pub mod residual;
+pub mod screen;
+pub mod simulate;
 
 pub use error::Error;

@@ -1,2 +1,15 @@
-//! servo-lab.
-fn main() {}
+//! `servo-lab`: simulate, replay, compare and diagnose recordings of the servo.
+
+use std::process::ExitCode;
+
+use clap::Parser;
+
+fn main() -> ExitCode {
+    match lab::cli::Cli::parse().run() {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::from(error.exit_code())
+        }
+    }
+}

@@ -1,1 +1,44 @@
 //! One file for each command: its flags and what it does with them.
+
+mod compare;
+mod diagnose;
+mod machine;
+mod replay;
+mod simulate;
+
+use crate::Error;
+
+/// Simulate, replay, compare and diagnose recordings of the servo.
+#[derive(Debug, clap::Parser)]
+#[command(name = "servo-lab", version)]
+pub struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, clap::Subcommand)]
+enum Command {
+    /// Run the closed loop of the flashed control law and the simulated plant; write a recording.
+    Simulate(simulate::Args),
+    /// Run the recorded inputs through the control law; name the first command that differs, to the bit.
+    Replay(replay::Args),
+    /// Drive the nominal model with the recorded commands; show where the position disagrees.
+    Compare(compare::Args),
+    /// Find what the model leaves out of the recordings, with its parameters, or say that they cannot tell.
+    Diagnose(diagnose::Args),
+}
+
+impl Cli {
+    /// Carries the command out.
+    ///
+    /// # Errors
+    /// Input that cannot be read, flags that cannot be followed, an output that cannot be written.
+    pub fn run(&self) -> Result<(), Error> {
+        match &self.command {
+            Command::Simulate(args) => simulate::run(args),
+            Command::Replay(args) => replay::run(args),
+            Command::Compare(args) => compare::run(args),
+            Command::Diagnose(args) => diagnose::run(args),
+        }
+    }
+}

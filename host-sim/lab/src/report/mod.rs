@@ -1,9 +1,12 @@
-//! The answer: what is missing, how sure that is, and what was looked at.
+//! Last stage: what was found, in words, figures and pictures.
 
 mod answer;
+pub mod compare;
 mod text;
+mod units;
 
 pub use answer::{
     Answer, EffectAnswer, Evidence, Experiment, FitAnswer, Interval, Location, Region, Rejected, ResidualMap, Verdict,
 };
 pub use text::summary;
+pub use units::Units;

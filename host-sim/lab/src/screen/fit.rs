@@ -25,6 +25,11 @@ impl Fit {
         self.heldout.iter().sum()
     }
 
+    /// Number of equations, which is the sum of squares that noise alone would leave.
+    pub fn residual_count(&self) -> f64 {
+        self.residual.len() as f64
+    }
+
     /// Number of values that were free.
     pub fn freedom(&self) -> usize {
         self.jacobian.ncols()

@@ -15,4 +15,4 @@ mod weak;
 pub use fit::Fit;
 pub use motion::Motion;
 pub use problem::{Active, Problem};
-pub use search::{MAX_P, MIN_GAIN, Outcome, Search, Trial, worse};
+pub use search::{MAX_P, MIN_GAIN, Outcome, Refitter, Search, Trial, worse};

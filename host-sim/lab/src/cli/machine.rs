@@ -1,0 +1,90 @@
+//! Flags that choose the machine and its fluid, shared by the commands that simulate.
+
+use std::path::PathBuf;
+
+use plant::{Er, FieldResponse, FluidResponse, Model};
+
+use crate::Error;
+use crate::read::{AxisKind, Machine};
+use crate::simulate::nominal;
+
+/// Highest field, kV/mm, whose torque the viscosity models may reach.
+const FIELD_CEILING_KV_MM: f64 = 3.5;
+
+/// How the fluid follows its command (control.md section 5).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum Fluid {
+    /// At once.
+    None,
+    /// The field waits, lags, or both: `--dead-time-ms`, `--lag-ms`.
+    E,
+    /// The coefficient of viscosity waits (`--dead-time-ms`) or lags (`--lag-ms`).
+    Q,
+}
+
+/// Which machine is simulated.
+#[derive(Debug, Clone, clap::Args)]
+pub struct MachineArgs {
+    /// Machine file; without one, the servo of the paper (fluid 2 ms dead time and 3 ms lag).
+    #[arg(long, value_name = "FILE")]
+    pub machine: Option<PathBuf>,
+    /// Delay model of the fluid, in place of the machine's own.
+    #[arg(long, value_enum)]
+    pub fluid: Option<Fluid>,
+    /// Dead time of the fluid, ms.
+    #[arg(long, requires = "fluid", default_value_t = 0.0)]
+    pub dead_time_ms: f64,
+    /// First-order lag of the fluid, ms.
+    #[arg(long, requires = "fluid", default_value_t = 0.0)]
+    pub lag_ms: f64,
+    /// Delay of the drive, ms, in place of the machine's own.
+    #[arg(long)]
+    pub drive_delay_ms: Option<f64>,
+}
+
+impl MachineArgs {
+    /// Physics and control law the flags ask for.
+    ///
+    /// # Errors
+    /// A machine file that cannot be read, a linear axis, or delays that do not fit the delay model.
+    pub fn build(&self) -> Result<(Model, er_servo::Config), Error> {
+        let (mut model, config) = match &self.machine {
+            None => (paper(), er_servo::Config::default()),
+            Some(file) => {
+                let machine = Machine::read(file)?;
+                if machine.axis.kind != AxisKind::Rotary {
+                    let message = "the control law drives a rotary axis; a linear machine can be compared, not simulated";
+                    return Err(Error::input(file, None, "axis.kind", message));
+                }
+                (nominal(&machine), machine.controller.unwrap_or_default())
+            }
+        };
+        if let Some(fluid) = self.fluid {
+            let (a, b) = model.er.as_ref().map_or((0.0704, 0.470), |er| (er.a, er.b));
+            model.er = Some(Er { a, b, response: self.response(fluid, a, b)? });
+        }
+        if let Some(delay_ms) = self.drive_delay_ms {
+            model.torque_delay_s = delay_ms * 1e-3;
+        }
+        Ok((model, config))
+    }
+
+    fn response(&self, fluid: Fluid, a: f64, b: f64) -> Result<FluidResponse, Error> {
+        let (dead_time_s, lag_s) = (self.dead_time_ms * 1e-3, self.lag_ms * 1e-3);
+        let torque_limit = (a * FIELD_CEILING_KV_MM + b) * FIELD_CEILING_KV_MM;
+        match fluid {
+            Fluid::None if dead_time_s != 0.0 || lag_s != 0.0 => {
+                Err(Error::Usage("--fluid none has no delay; choose e or q for --dead-time-ms and --lag-ms".to_owned()))
+            }
+            Fluid::None | Fluid::E => Ok(FluidResponse::Field(FieldResponse::new(dead_time_s, lag_s))),
+            Fluid::Q if lag_s == 0.0 => Ok(FluidResponse::ViscosityDeadTime { dead_time_s, torque_limit }),
+            Fluid::Q if dead_time_s == 0.0 => Ok(FluidResponse::ViscosityLag { lag_s, torque_limit }),
+            Fluid::Q => Err(Error::Usage("--fluid q takes --dead-time-ms or --lag-ms, not both".to_owned())),
+        }
+    }
+}
+
+/// The paper's servo with the delay model it ends on.
+fn paper() -> Model {
+    Model { er: Some(Er::new(0.0704, 0.470, 0.002, 0.003)), ..Model::paper() }
+}

@@ -1,0 +1,38 @@
+//! `servo-lab replay`.
+
+use std::path::PathBuf;
+
+use crate::Error;
+use crate::read::{Machine, Recording};
+use crate::replay::replay;
+
+/// Flags of `replay`.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// Machine file whose [controller] ran; without one, the law's defaults.
+    #[arg(long, value_name = "FILE")]
+    machine: Option<PathBuf>,
+    /// Recordings, CSV or Parquet.
+    #[arg(required = true, value_name = "RECORDING")]
+    recordings: Vec<PathBuf>,
+}
+
+/// Replays every recording and prints one line each.
+///
+/// # Errors
+/// Files that cannot be read, or hold nothing to replay.
+pub fn run(args: &Args) -> Result<(), Error> {
+    let (axis, config) = match &args.machine {
+        None => (None, er_servo::Config::default()),
+        Some(file) => {
+            let machine = Machine::read(file)?;
+            let missing = || Error::input(file, None, "controller", "no [controller] section: which law ran is unknown");
+            (Some(machine.axis.kind), machine.controller.ok_or_else(missing)?)
+        }
+    };
+    for file in &args.recordings {
+        let recording = Recording::read(file, axis)?;
+        println!("{}: {}", file.display(), replay(&recording, &config)?);
+    }
+    Ok(())
+}

@@ -1,0 +1,136 @@
+//! `servo-lab simulate`.
+
+use std::path::PathBuf;
+
+use er_servo::experiment::{Experiment, Shape};
+
+use super::machine::MachineArgs;
+use crate::Error;
+use crate::simulate::{Disturbance, Reference, Scenario, Setup, Summary, record, run as run_loop};
+
+/// The built-in scenarios.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum Kind {
+    /// One step of --amplitude-deg.
+    Step,
+    /// A new level within --amplitude-deg after each --dwell-s, drawn from --seed.
+    Steps,
+    /// Sixteen tones from --low-hz to --high-hz.
+    Multisine,
+    /// One sine from --low-hz to --high-hz.
+    Chirp,
+    /// To and fro over --amplitude-deg at --speed-rad-s.
+    Ramp,
+    /// At rest, pushed by --disturbance (8 N m for 50 ms unless given).
+    Disturbance,
+}
+
+/// Flags of `simulate`.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// What the reference does.
+    #[arg(value_enum, default_value = "step", conflicts_with = "reference")]
+    scenario: Kind,
+    /// Reference from a CSV file with the columns t_s and reference_rad, in place of a scenario.
+    #[arg(long, value_name = "FILE")]
+    reference: Option<PathBuf>,
+    #[command(flatten)]
+    machine: MachineArgs,
+    /// Duration, s.
+    #[arg(long, default_value_t = 2.0)]
+    duration_s: f32,
+    /// Amplitude, degrees.
+    #[arg(long, default_value_t = 30.0, allow_negative_numbers = true)]
+    amplitude_deg: f32,
+    /// Time at each level of steps, s.
+    #[arg(long, default_value_t = 0.4)]
+    dwell_s: f32,
+    /// Lowest frequency, Hz.
+    #[arg(long, default_value_t = 0.2)]
+    low_hz: f32,
+    /// Highest frequency, Hz.
+    #[arg(long, default_value_t = 8.0)]
+    high_hz: f32,
+    /// Speed of the ramp, rad/s.
+    #[arg(long, default_value_t = 1.0)]
+    speed_rad_s: f32,
+    /// Push from outside: start s, duration s, torque N m; may be repeated.
+    #[arg(long, value_name = "START,DURATION,TORQUE", value_parser = disturbance, allow_hyphen_values = true)]
+    disturbance: Vec<Disturbance>,
+    /// Standard deviation of noise on the measured angle, rad.
+    #[arg(long, default_value_t = 0.0)]
+    sensor_noise_rad: f64,
+    /// Standard deviation of a torque noise held over each tick, N m.
+    #[arg(long, default_value_t = 0.0)]
+    torque_noise_nm: f64,
+    /// Of the noises and of steps; the same seed gives the same recording.
+    #[arg(long, default_value_t = 1)]
+    seed: u32,
+    /// Recording to write, .csv or .parquet; without one, only the summary is printed.
+    #[arg(long, short, value_name = "FILE")]
+    out: Option<PathBuf>,
+}
+
+fn disturbance(text: &str) -> Result<Disturbance, String> {
+    let numbers: Vec<f64> = text.split(',').filter_map(|part| part.trim().parse().ok()).collect();
+    match numbers[..] {
+        [start_s, duration_s, torque_nm] if numbers.iter().all(|number| number.is_finite()) => {
+            Ok(Disturbance { start_s, duration_s, torque_nm })
+        }
+        _ => Err("three finite numbers are expected: start s, duration s, torque N m".to_owned()),
+    }
+}
+
+/// Runs the loop, writes the recording, prints the summary.
+///
+/// # Errors
+/// Flags or files that cannot be followed, or an output that cannot be written.
+pub fn run(args: &Args) -> Result<(), Error> {
+    let (model, config) = args.machine.build()?;
+    let scenario = args.scenario()?;
+    let setup = Setup {
+        model,
+        config,
+        disturbances: scenario.disturbances,
+        sensor_noise_rad: args.sensor_noise_rad,
+        torque_noise_nm: args.torque_noise_nm,
+        seed: u64::from(args.seed),
+    };
+    let period_s = f64::from(config.period_s);
+    let rows = run_loop(&setup, scenario.reference.positions(period_s)?)?;
+    if let Some(file) = &args.out {
+        let name = file.file_name().unwrap_or_default().to_string_lossy();
+        record(&name, &rows).write(file)?;
+        println!("wrote {}: {} rows, seed {}", file.display(), rows.len(), args.seed);
+    }
+    print!("{}", Summary::of(&rows, period_s));
+    Ok(())
+}
+
+impl Args {
+    fn scenario(&self) -> Result<Scenario, Error> {
+        let reference = match &self.reference {
+            Some(file) => Reference::read(file)?,
+            None => Reference::Experiment(Experiment { shape: self.shape(), duration_s: self.duration_s }),
+        };
+        let mut disturbances = self.disturbance.clone();
+        if disturbances.is_empty() && self.scenario == Kind::Disturbance {
+            // The push of control.md section 7.
+            disturbances.push(Disturbance { start_s: 0.1, duration_s: 0.05, torque_nm: 8.0 });
+        }
+        Ok(Scenario { reference, disturbances })
+    }
+
+    fn shape(&self) -> Shape {
+        let amplitude_rad = self.amplitude_deg.to_radians();
+        let (low_hz, high_hz) = (self.low_hz, self.high_hz);
+        match self.scenario {
+            Kind::Step => Shape::Step { amplitude_rad },
+            Kind::Steps => Shape::Steps { amplitude_rad, dwell_s: self.dwell_s, seed: self.seed },
+            Kind::Multisine => Shape::Multisine { amplitude_rad, low_hz, high_hz, tones: 16 },
+            Kind::Chirp => Shape::Chirp { amplitude_rad, from_hz: low_hz, to_hz: high_hz },
+            Kind::Ramp => Shape::Ramp { speed_rad_s: self.speed_rad_s, travel_rad: amplitude_rad },
+            Kind::Disturbance => Shape::Step { amplitude_rad: 0.0 },
+        }
+    }
+}

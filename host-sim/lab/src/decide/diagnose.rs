@@ -1,0 +1,147 @@
+//! From recordings to the answer.
+
+use super::{Covariance, equivalents, intervals};
+use crate::Error;
+use crate::effects::{Effect, Physics};
+use crate::read::vocabulary;
+use crate::read::{AxisKind, Machine, Recording};
+use crate::report::{Answer, EffectAnswer, Evidence, FitAnswer, Interval, Rejected, Verdict};
+use crate::screen::{Fit, MAX_P, MIN_GAIN, Motion, Outcome, Problem, Refitter, Search};
+
+/// What is to be diagnosed.
+#[derive(Debug)]
+pub struct Request<'a> {
+    /// The nominal model, with the effects it already has.
+    pub machine: &'a Machine,
+    /// Recordings to fit.
+    pub recordings: &'a [Recording],
+    /// Recordings that are only predicted; none to hold out blocks of the others.
+    pub holdout: &'a [Recording],
+    /// Effects that may be named.
+    pub vocabulary: &'a [&'static Effect],
+}
+
+/// The answer with what it was drawn from.
+#[derive(Debug)]
+pub struct Diagnosis {
+    /// As written to JSON.
+    pub answer: Answer,
+    /// The nominal machine.
+    pub nominal: Physics,
+    /// The improved machine.
+    pub improved: Physics,
+}
+
+/// Diagnoses recordings.
+///
+/// # Errors
+/// Recordings too short to say anything.
+pub fn diagnose(request: &Request<'_>) -> Result<Diagnosis, Error> {
+    let nominal = Physics::nominal(request.machine);
+    let prepare = |recordings: &[Recording]| -> Vec<Motion> {
+        recordings.iter().map(|r| Motion::new(r, &nominal, request.machine.axis.resolution)).collect()
+    };
+    let problem = Problem::new(prepare(request.recordings), nominal.clone());
+    let linear = request.machine.axis.kind == AxisKind::Linear;
+    let outcome = Search::new(&problem, request.vocabulary, linear).run();
+    let refitter = Refitter::new(&problem, &outcome);
+    let fit = &outcome.fit;
+    let covariance = Covariance::new(&problem, fit, refitter.inflation(fit));
+    let mut effects: Vec<EffectAnswer> = (0..fit.active.len())
+        .map(|index| effect_answer(request, &problem, &refitter, &outcome, &covariance, index))
+        .collect();
+    effects.sort_by(|a, b| b.evidence.heldout_gain.total_cmp(&a.evidence.heldout_gain));
+    let improved = problem.machine(&fit.active);
+    let verdict = if effects.is_empty() {
+        Verdict::None
+    } else if effects.iter().any(|effect| !effect.equivalent.is_empty()) {
+        Verdict::Ambiguous
+    } else {
+        Verdict::Named
+    };
+    let rejected = outcome.trials.iter().filter(|trial| !fit.active.iter().any(|e| e.effect.id == trial.effect.id));
+    let answer = Answer {
+        schema: 1,
+        verdict,
+        effects,
+        fit: fit_answer(&outcome),
+        locations: Vec::new(),
+        regions: Vec::new(),
+        rejected: rejected.map(|t| Rejected { id: t.effect.id.to_owned(), heldout_gain: t.gain, why: why(t.gain, t.p_value) }).collect(),
+        experiment: None,
+        warnings: Vec::new(),
+        residual_map: Vec::new(),
+    };
+    Ok(Diagnosis { answer, nominal, improved })
+}
+
+fn why(gain: f64, p_value: f64) -> String {
+    if gain < MIN_GAIN {
+        format!("less than {:.0} % less held-out error", 100.0 * MIN_GAIN)
+    } else if p_value >= MAX_P {
+        format!("not significant after correction, p = {p_value:.1e}")
+    } else {
+        "another effect predicts better, or as well with fewer parameters".to_owned()
+    }
+}
+
+fn effect_answer(
+    request: &Request<'_>,
+    problem: &Problem,
+    refitter: &Refitter<'_>,
+    outcome: &Outcome,
+    covariance: &Covariance,
+    index: usize,
+) -> EffectAnswer {
+    let fit = &outcome.fit;
+    let entry = &fit.active[index];
+    let mut rest = fit.active.clone();
+    rest.remove(index);
+    let without: Fit = refitter.fit(&rest);
+    let floor = fit.residual_count();
+    let evidence = Evidence {
+        heldout_gain: 1.0 - (fit.heldout_sse() / without.heldout_sse().max(1e-300)).sqrt(),
+        p_value: (refitter.p_value(&without, fit) * outcome.variants as f64).min(1.0),
+        excess_explained: (without.sse - fit.sse) / (without.sse - floor.min(fit.sse)).max(1e-300),
+    };
+    let axis = request.machine.axis.kind;
+    let names = vocabulary::effect(entry.effect.id).map_or(&[] as &[vocabulary::Parameter], |kind| kind.parameters);
+    let values = intervals(fit, covariance, index);
+    let parameters = names
+        .iter()
+        .zip(values)
+        .map(|(name, (value, half))| Interval {
+            id: name.id(axis).to_owned(),
+            value,
+            low: value - half,
+            high: value + half,
+            unit: name.unit(axis).to_owned(),
+        })
+        .collect();
+    let recording = (entry.effect.id == "disturbance_pulse")
+        .then(|| problem.motions.get(entry.values[0] as usize).map(|motion| motion.name.clone()))
+        .flatten();
+    let others = equivalents(refitter, fit, index, request.vocabulary);
+    EffectAnswer {
+        id: entry.effect.id.to_owned(),
+        text: entry.effect.sentence.to_owned(),
+        equivalent: others.iter().map(|effect| effect.id.to_owned()).collect(),
+        parameters,
+        evidence,
+        recording,
+    }
+}
+
+fn fit_answer(outcome: &Outcome) -> FitAnswer {
+    let count = outcome.fit.residual_count();
+    FitAnswer {
+        before_rms: (outcome.nominal.sse / count).sqrt(),
+        after_rms: (outcome.fit.sse / count).sqrt(),
+        heldout_before_rms: (outcome.nominal.heldout_sse() / count).sqrt(),
+        heldout_after_rms: (outcome.fit.heldout_sse() / count).sqrt(),
+        noise_floor_rms: 1.0,
+        excess_explained: (outcome.nominal.sse - outcome.fit.sse) / (outcome.nominal.sse - count.min(outcome.fit.sse)).max(1e-300),
+        unit: "1".to_owned(),
+        horizon_s: 0.05,
+    }
+}

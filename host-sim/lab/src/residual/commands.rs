@@ -1,0 +1,41 @@
+//! What drove the machine, as recorded.
+
+use plant::Command;
+
+use crate::read::{Mode, Recording};
+
+/// Time constant of the speed estimate where a recording has none, s: the drive's default (control.md section 3).
+const SPEED_FILTER_S: f64 = 0.001;
+
+/// One command a row, each held to the next row.
+pub fn recorded_commands(recording: &Recording) -> Vec<Command> {
+    let speed = recording.velocity.clone().unwrap_or_else(|| rebuilt_speed(recording));
+    (0..recording.t_s.len())
+        .map(|row| Command {
+            torque: recording.effort_cmd[row],
+            field_kv_mm: recording.field_cmd_kv_mm.as_ref().map_or(0.0, |field| field[row]),
+            braking: recording.mode.as_ref().is_some_and(|mode| mode[row] == Mode::Brake),
+            speed_estimate: speed[row],
+            external_torque: 0.0,
+        })
+        .collect()
+}
+
+/// The estimate of the drive from the recorded position: backward difference and first-order low-pass, begun anew after
+/// each gap.
+fn rebuilt_speed(recording: &Recording) -> Vec<f64> {
+    let (t_s, position) = (&recording.t_s, &recording.position);
+    let mut estimate = 0.0;
+    let mut speed = Vec::with_capacity(t_s.len());
+    for row in 0..t_s.len() {
+        if row > 0 {
+            let dt_s = t_s[row] - t_s[row - 1];
+            let raw = (position[row] - position[row - 1]) / dt_s;
+            let after_gap = recording.gaps.binary_search(&(row - 1)).is_ok();
+            let gain = if after_gap { 1.0 } else { 1.0 - (-dt_s / SPEED_FILTER_S).exp() };
+            estimate += gain * (raw - estimate);
+        }
+        speed.push(estimate);
+    }
+    speed
+}

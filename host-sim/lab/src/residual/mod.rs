@@ -1,0 +1,16 @@
+//! Fourth stage: what a model, driven by the recorded commands, leaves unexplained of the recorded position.
+//!
+//! Tracking error is blind and a replay of the whole recording diverges, as the plant integrates. So the model runs in short
+//! windows, and the state each window starts from is estimated.
+
+mod commands;
+mod map;
+mod noise;
+mod orders;
+mod window;
+
+pub use commands::recorded_commands;
+pub use map::{Bin, Channel, Map};
+pub use noise::sensor_noise;
+pub use orders::{Order, Orders};
+pub use window::{Residual, Window, residual};
