@@ -9,7 +9,7 @@ use crate::units::{Counts, RAD_PER_COUNT};
 pub const MAX_TONES: u8 = 16;
 
 /// What the reference does.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub enum Shape {
     /// One step at once.
     Step {
@@ -55,7 +55,7 @@ pub enum Shape {
 }
 
 /// A shape and how long it lasts.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Experiment {
     /// What the reference does.
     pub shape: Shape,

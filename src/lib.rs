@@ -30,10 +30,12 @@ pub mod experiment;
 mod fault;
 mod frame;
 mod law;
+pub mod link;
 mod maths;
 pub mod parameters;
 mod snapshot;
 mod step;
+pub mod storage;
 mod units;
 
 pub use config::{Config, ConfigError, Params};

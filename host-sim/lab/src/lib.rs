@@ -15,5 +15,6 @@ pub mod report;
 pub mod residual;
 pub mod screen;
 pub mod simulate;
+pub mod stability;
 
 pub use error::Error;

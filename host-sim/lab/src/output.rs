@@ -24,3 +24,12 @@ pub fn write(
     drop(buffered);
     temporary.persist(file).map(|_| ()).map_err(|error| failed(error.error))
 }
+
+/// Makes a folder for outputs, and those above it.
+///
+/// # Errors
+/// [`Error::Output`].
+pub fn folder(folder: &Path) -> Result<(), Error> {
+    let failed = |error: std::io::Error| Error::Output { file: folder.to_path_buf(), reason: error.to_string() };
+    std::fs::create_dir_all(folder).map_err(failed)
+}

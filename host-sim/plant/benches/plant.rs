@@ -68,7 +68,9 @@ fn open_loop(c: &mut Criterion) {
         let timeline = Timeline::new(&model, &times_s, &commands, &Command::default()).unwrap();
         let mechanics = Mechanics::new(&model).unwrap();
         group.bench_function(name, |b| {
-            b.iter(|| mechanics.simulate(&timeline, 0.0, State::default(), &times_s, black_box(&mut positions)).unwrap());
+            b.iter(|| {
+                mechanics.simulate(&timeline, 0.0, State::default(), &times_s, black_box(&mut positions)).unwrap()
+            });
         });
     }
     group.finish();

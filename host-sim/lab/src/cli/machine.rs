@@ -53,7 +53,8 @@ impl MachineArgs {
             Some(file) => {
                 let machine = Machine::read(file)?;
                 if machine.axis.kind != AxisKind::Rotary {
-                    let message = "the control law drives a rotary axis; a linear machine can be compared, not simulated";
+                    let message =
+                        "the control law drives a rotary axis; a linear machine can be compared, not simulated";
                     return Err(Error::input(file, None, "axis.kind", message));
                 }
                 (nominal(&machine), machine.controller.unwrap_or_default())

@@ -1,10 +1,12 @@
 //! One file for each command: its flags and what it does with them.
 
 mod compare;
+mod demo;
 mod diagnose;
 mod machine;
 mod replay;
 mod simulate;
+mod stability;
 
 use crate::Error;
 
@@ -26,6 +28,10 @@ enum Command {
     Compare(compare::Args),
     /// Find what the model leaves out of the recordings, with its parameters, or say that they cannot tell.
     Diagnose(diagnose::Args),
+    /// Stability of the linear loop by four methods: margins, limits, area, picture.
+    Stability(stability::StabilityArgs),
+    /// Do the main job on embedded data: loop, recording with something left out of the model, comparison.
+    Demo(demo::Args),
 }
 
 impl Cli {
@@ -39,6 +45,8 @@ impl Cli {
             Command::Replay(args) => replay::run(args),
             Command::Compare(args) => compare::run(args),
             Command::Diagnose(args) => diagnose::run(args),
+            Command::Stability(args) => stability::run(args),
+            Command::Demo(args) => demo::run(args),
         }
     }
 }

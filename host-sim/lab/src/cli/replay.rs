@@ -26,7 +26,8 @@ pub fn run(args: &Args) -> Result<(), Error> {
         None => (None, er_servo::Config::default()),
         Some(file) => {
             let machine = Machine::read(file)?;
-            let missing = || Error::input(file, None, "controller", "no [controller] section: which law ran is unknown");
+            let missing =
+                || Error::input(file, None, "controller", "no [controller] section: which law ran is unknown");
             (Some(machine.axis.kind), machine.controller.ok_or_else(missing)?)
         }
     };

@@ -1,25 +1,44 @@
-//! Section `[controller]`: values over the defaults of the control library.
+//! Section `[controller]`: values over the defaults of the control library, whose own table gives names and ranges.
+
+use er_servo::parameters::{self, Parameter};
+use er_servo::{Config, ConfigError, Params};
 
 use super::toml_section::{Pair, Section, Setting};
-use super::vocabulary::Allowed;
 use crate::Error;
 
 /// The configuration that the `pairs` of `section` make.
-pub(super) fn controller_config(section: &Section<'_, '_>, pairs: &[Pair]) -> Result<er_servo::Config, Error> {
-    section.only(&["kp_nm_rad"])?;
-    let mut config = er_servo::Config { kp_nm_rad: 240.0 };
+pub(super) fn controller_config(section: &Section<'_, '_>, pairs: &[Pair]) -> Result<Config, Error> {
+    let names: Vec<&str> = parameters::TABLE.iter().map(|parameter| parameter.name).collect();
+    section.only(&names)?;
+    let mut config = Config::default();
     for pair in pairs {
-        match pair.setting {
-            Setting::Number(value) if Allowed::AtLeastZero.holds(value) => config.kp_nm_rad = value as f32,
-            Setting::Number(value) => {
-                let message = format!("{value} is not allowed; must be {}", Allowed::AtLeastZero);
-                return Err(section.error(&pair.span, &pair.key, message));
-            }
-            Setting::Flag(flag) => {
-                let message = format!("{flag} is not allowed; must be {}", Allowed::AtLeastZero);
-                return Err(section.error(&pair.span, &pair.key, message));
-            }
+        if let Some(parameter) = parameters::find(&pair.key) {
+            (parameter.set)(&mut config, value(section, pair, parameter)?);
         }
     }
-    Ok(config)
+    Params::new(&config).map(|_| config).map_err(|error| {
+        let key = match &error {
+            ConfigError::OutOfRange { parameter, .. } => parameter.name,
+            ConfigError::NearTooSmall { .. } => "near_rad",
+        };
+        let span = pairs.iter().find(|pair| pair.key == key).map_or(section.span(), |pair| &pair.span);
+        section.error(span, key, error.to_string())
+    })
+}
+
+/// The value of one pair; a flag is true or false, or 1 or 0.
+fn value(section: &Section<'_, '_>, pair: &Pair, parameter: &Parameter) -> Result<f32, Error> {
+    let is_flag = parameter.unit == "flag";
+    match pair.setting {
+        Setting::Flag(flag) if is_flag => Ok(if flag { 1.0 } else { 0.0 }),
+        Setting::Number(number) if is_flag && (number == 0.0 || number == 1.0) => Ok(number as f32),
+        Setting::Number(number) if !is_flag => Ok(number as f32),
+        Setting::Flag(_) => {
+            let Parameter { unit, min, max, .. } = parameter;
+            Err(section.error(&pair.span, &pair.key, format!("must be a number, {min} to {max} {unit}")))
+        }
+        Setting::Number(number) => {
+            Err(section.error(&pair.span, &pair.key, format!("{number} is not allowed; must be true or false")))
+        }
+    }
 }

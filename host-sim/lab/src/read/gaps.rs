@@ -68,7 +68,7 @@ mod tests {
     #[test]
     fn regular_time_has_no_gap_and_a_removed_row_is_one() {
         let mut t_s = regular(1000);
-        assert_eq!(find(&t_s, None), []);
+        assert_eq!(find(&t_s, None), Vec::<usize>::new());
         t_s.remove(500);
         t_s.remove(10);
         assert_eq!(find(&t_s, None), [9, 498]);
@@ -84,7 +84,7 @@ mod tests {
     fn a_change_of_rate_is_not_a_gap() {
         let mut t_s = regular(200);
         t_s.extend((1..200).map(|k| 0.1 + f64::from(k) * 5e-3));
-        assert_eq!(find(&t_s, None), [], "ten times slower from row 200");
+        assert_eq!(find(&t_s, None), Vec::<usize>::new(), "ten times slower from row 200");
     }
 
     #[test]
@@ -92,7 +92,7 @@ mod tests {
         // Low-discrepancy offsets, uniform over +-15 % of the step: steps vary by up to 30 %.
         let t_s: Vec<f64> =
             (0..5000).map(|k| f64::from(k) + 0.3 * ((f64::from(k) * 0.618_033_988_75).fract() - 0.5)).collect();
-        assert_eq!(find(&t_s, None), []);
+        assert_eq!(find(&t_s, None), Vec::<usize>::new());
     }
 
     #[test]

@@ -74,28 +74,28 @@ impl Map {
 
     /// Value of the channel and residual torque of each window; none where the recording lacks the channel.
     pub fn points(channel: Channel, residual: &Residual, recording: &Recording) -> Option<Vec<(f64, f64)>> {
-    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
-    let field = recording.field_cmd_kv_mm.as_ref();
-    if channel == Channel::Field && field.is_none() {
-        return None;
-    }
-    let turn = match recording.axis {
-        AxisKind::Rotary => std::f64::consts::TAU,
-        AxisKind::Linear => f64::INFINITY,
-    };
-    let value = |start: usize, end: usize, speed: f64| match channel {
-        Channel::Direction => speed.signum(),
-        Channel::Speed => speed,
-        Channel::Position => {
-            let position = mean(&recording.position[start..end]);
-            if turn.is_finite() { position.rem_euclid(turn) } else { position }
+        let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+        let field = recording.field_cmd_kv_mm.as_ref();
+        if channel == Channel::Field && field.is_none() {
+            return None;
         }
-        Channel::Field => field.map_or(0.0, |field| mean(&field[start..end])),
-        Channel::Time => mean(&recording.t_s[start..end]),
-    };
-    let windows = residual.windows.iter();
-    Some(windows.map(|window| (value(window.start, window.end, window.speed), window.torque)).collect())
-}
+        let turn = match recording.axis {
+            AxisKind::Rotary => std::f64::consts::TAU,
+            AxisKind::Linear => f64::INFINITY,
+        };
+        let value = |start: usize, end: usize, speed: f64| match channel {
+            Channel::Direction => speed.signum(),
+            Channel::Speed => speed,
+            Channel::Position => {
+                let position = mean(&recording.position[start..end]);
+                if turn.is_finite() { position.rem_euclid(turn) } else { position }
+            }
+            Channel::Field => field.map_or(0.0, |field| mean(&field[start..end])),
+            Channel::Time => mean(&recording.t_s[start..end]),
+        };
+        let windows = residual.windows.iter();
+        Some(windows.map(|window| (value(window.start, window.end, window.speed), window.torque)).collect())
+    }
 }
 
 fn bin_of(points: &[(f64, f64)]) -> Bin {
@@ -110,4 +110,3 @@ fn bin_of(points: &[(f64, f64)]) -> Bin {
         windows: points.len(),
     }
 }
-

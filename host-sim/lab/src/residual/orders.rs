@@ -89,7 +89,8 @@ impl Fit {
         let total = values.norm_squared();
         // The best of many orders fits noise better than one order would: about ln of their number times.
         let chance = 2.0 * picked.len() as f64 * (1.0 + f64::from(highest).ln()) / values.len() as f64;
-        let explained = if total > 0.0 { ((1.0 - self.left / total) - chance * self.left / total).max(0.0) } else { 0.0 };
+        let explained =
+            if total > 0.0 { ((1.0 - self.left / total) - chance * self.left / total).max(0.0) } else { 0.0 };
         Orders { orders, explained }
     }
 }

@@ -47,7 +47,8 @@ impl Reference {
         let (time, position) = (column("t_s")?, column("reference_rad")?);
         let (mut t_s, mut reference_rad): (Vec<f64>, Vec<f64>) = (Vec::new(), Vec::new());
         for record in reader.records() {
-            let record = record.map_err(|error| at(error.position().map(csv::Position::line), "", error.to_string()))?;
+            let record =
+                record.map_err(|error| at(error.position().map(csv::Position::line), "", error.to_string()))?;
             let line = record.position().map(csv::Position::line);
             let number = |column: usize, key: &str| {
                 let cell = record.get(column).unwrap_or("");

@@ -106,7 +106,12 @@ impl std::fmt::Display for Summary {
             writeln!(f, "residual         {:.3} mrad", 1e3 * step.residual_rad)?;
             writeln!(f, "speed dips       {}", step.speed_dips)?;
         }
-        writeln!(f, "error            {:.3} mrad rms, {:.3} peak", 1e3 * self.rms_error_rad, 1e3 * self.peak_error_rad)?;
+        writeln!(
+            f,
+            "error            {:.3} mrad rms, {:.3} peak",
+            1e3 * self.rms_error_rad,
+            1e3 * self.peak_error_rad
+        )?;
         writeln!(f, "peak field       {:.4} kV/mm", self.peak_field_kv_mm)?;
         writeln!(f, "peak torque      {:.3} N m", self.peak_torque_nm)?;
         let [off, damper, brake] = self.mode_s;

@@ -19,7 +19,7 @@ impl Chebyshev {
     pub fn derivative(&self) -> DMatrix<f64> {
         let size = self.points.len();
         let end = |k: usize| if k == 0 || k == size - 1 { 2.0 } else { 1.0 };
-        let sign = |k: usize| if k % 2 == 0 { 1.0 } else { -1.0 };
+        let sign = |k: usize| if k.is_multiple_of(2) { 1.0 } else { -1.0 };
         let mut matrix = DMatrix::from_fn(size, size, |i, k| {
             if i == k { 0.0 } else { end(i) * sign(i) / (end(k) * sign(k)) / (self.points[i] - self.points[k]) }
         });
@@ -38,7 +38,7 @@ impl Chebyshev {
         }
         let weights = DVector::from_fn(size, |k, _| {
             let end = if k == 0 || k == size - 1 { 0.5 } else { 1.0 };
-            let sign = if k % 2 == 0 { 1.0 } else { -1.0 };
+            let sign = if k.is_multiple_of(2) { 1.0 } else { -1.0 };
             sign * end / (x - self.points[k])
         });
         let sum = weights.sum();

@@ -5,6 +5,7 @@
 
 #[cfg(test)]
 mod agreement;
+pub mod analysis;
 pub mod argument;
 pub mod case;
 mod chebyshev;

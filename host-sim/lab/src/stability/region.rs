@@ -143,13 +143,17 @@ fn on_edge(p: Point, a: Point, b: Point) -> bool {
 
 /// Cuts lines wherever two of their segments cross, themselves included.
 fn cut_at_crossings(lines: Vec<Vec<Point>>) -> Vec<Piece> {
-    let segments: Vec<(usize, usize)> =
+    let mut segments: Vec<(usize, usize)> =
         lines.iter().enumerate().flat_map(|(line, points)| (1..points.len()).map(move |k| (line, k))).collect();
     let ends = |(line, k): (usize, usize)| (lines[line][k - 1], lines[line][k]);
+    let left = |at: (usize, usize)| ends(at).0[0].min(ends(at).1[0]);
+    let right = |at: (usize, usize)| ends(at).0[0].max(ends(at).1[0]);
+    // By their left ends, so that only segments side by side are compared.
+    segments.sort_by(|&p, &q| left(p).total_cmp(&left(q)));
     let mut cuts: Vec<Vec<(usize, f64, Point)>> = vec![Vec::new(); lines.len()];
     for (n, &one) in segments.iter().enumerate() {
-        for &other in &segments[n + 1..] {
-            if one.0 == other.0 && other.1 == one.1 + 1 {
+        for &other in segments[n + 1..].iter().take_while(|&&other| left(other) <= right(one)) {
+            if one.0 == other.0 && one.1.abs_diff(other.1) == 1 {
                 continue;
             }
             if let Some((s, t, at)) = crossing(ends(one), ends(other)) {

@@ -15,11 +15,13 @@
 //! product and can push. What a late field can do is act with the wrong part of the swing and leave less damping.
 
 mod damper;
+mod models;
 
 use nalgebra::Complex;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 pub use damper::{Damper, DamperDelay, Swing, TorqueHarmonic};
+pub use models::{MODELS, ModelCycles, cycles_by_model};
 
 use super::case::Gains;
 

@@ -1,0 +1,54 @@
+//! One run: an image, a board, a world.
+
+use std::path::Path;
+
+use rigless::emulator::{self, Finished, Start};
+use rigless::image::Image;
+use rigless::session::Session;
+use rigless::symbols::Symbols;
+use rigless::time::VirtualNanos;
+
+use crate::machine::ServoBoard;
+use crate::world::World;
+
+/// What can go wrong before the image runs, or with the emulator itself; in words.
+pub type Error = Box<dyn std::error::Error + Send + Sync>;
+
+/// The image and its symbols.
+#[derive(Debug)]
+pub struct Firmware {
+    image: Vec<Image>,
+    symbols: Symbols,
+}
+
+impl Firmware {
+    /// Reads an ELF file.
+    ///
+    /// # Errors
+    ///
+    /// A file that cannot be read, or that is none.
+    pub fn read(elf: &Path) -> Result<Self, Error> {
+        let bytes = std::fs::read(elf).map_err(|error| format!("{}: {error}", elf.display()))?;
+        let symbols = Symbols::read(&bytes, |address| address & !1)?;
+        Ok(Self { image: vec![Image::new(elf, bytes, None)?], symbols })
+    }
+
+    /// Address of a symbol.
+    ///
+    /// # Errors
+    ///
+    /// A name the file does not have.
+    pub fn address(&self, symbol: &str) -> Result<u64, Error> {
+        Ok(self.symbols.get(symbol)?)
+    }
+
+    /// Runs the image on a new board in `world`, to the world's end.
+    ///
+    /// # Errors
+    ///
+    /// What the emulator refuses: an image that does not fit the part.
+    pub fn run(&self, world: World) -> Result<Finished<ServoBoard, World>, Error> {
+        let session = Session::new(Box::new(ServoBoard::new()?), 0, VirtualNanos(0))?;
+        Ok(emulator::run(session, &Start::new(&self.image), world)?)
+    }
+}

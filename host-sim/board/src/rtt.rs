@@ -1,0 +1,42 @@
+//! A probe on the image's RTT channel: reads what the log has written, and moves the read offset, or leaves it.
+
+use rigless::emulator::Memory;
+use rigless::soc::Width;
+
+/// Offsets of up-channel 0 in the control block: two ints after the 16-byte name, then name, buffer, size, write, read.
+const BUFFER: u64 = 24 + 4;
+const SIZE: u64 = 24 + 8;
+const WRITE: u64 = 24 + 12;
+const READ: u64 = 24 + 16;
+
+/// The probe.
+#[derive(Debug, Default)]
+pub struct Probe {
+    /// Address of `_SEGGER_RTT`, from the ELF file.
+    pub block: u64,
+    /// Everything read so far.
+    pub bytes: Vec<u8>,
+}
+
+impl Probe {
+    /// Takes what is there. Quietly nothing before the image has set its control block up.
+    pub fn drain(&mut self, memory: &mut dyn Memory) {
+        let word = |memory: &mut dyn Memory, at: u64| memory.read(self.block + at, Width::W32).ok();
+        let (Some(buffer), Some(size), Some(write), Some(mut read)) =
+            (word(memory, BUFFER), word(memory, SIZE), word(memory, WRITE), word(memory, READ))
+        else {
+            return;
+        };
+        if write >= size || read >= size {
+            return;
+        }
+        while read != write {
+            if let Ok(byte) = memory.read(buffer + read, Width::W8) {
+                self.bytes.push(byte as u8);
+            }
+            read = (read + 1) % size;
+        }
+        // A probe that cannot write the offset back reads the same bytes again; the emulated RAM takes it.
+        let _ = memory.write(self.block + READ, Width::W32, read);
+    }
+}

@@ -1,0 +1,199 @@
+//! Everything around the MCU: the rotor behind the chips, what a test does to the board and when, and what was seen.
+
+use std::collections::VecDeque;
+
+use plant::chips::Chip;
+use plant::chips::ad2s1210::Pin as ResolverPin;
+use plant::chips::dac::Pin as DacPin;
+use rigless::emulator::{AccessKind, Driver, Host, Settled, Stop};
+use rigless::session::Session;
+use rigless::time::VirtualNanos;
+
+use crate::machine::{Port, ServoBoard};
+use crate::rotor::Rotor;
+use crate::rtt::Probe;
+
+/// Longest way between two looks at the world, ns: one tick. The rotor does not depend on it: it is moved exactly to every
+/// sample and every change of command.
+const STRIDE_NS: u64 = 500_000;
+/// Registers of the ports A to C.
+const PORTS: std::ops::Range<u64> = 0x4002_0000..0x4002_0C00;
+
+/// PC1, interlock; PC2, stop released.
+pub const INTERLOCK: (Port, u8) = (Port::C, 1);
+/// High: the stop is released.
+pub const STOP_RELEASED: (Port, u8) = (Port::C, 2);
+/// High: the high-voltage supply is on.
+pub const HV_ENABLE: (Port, u8) = (Port::C, 8);
+/// High: a fault is latched.
+pub const FAULT_LAMP: (Port, u8) = (Port::C, 9);
+
+/// Something done to the board at an instant.
+pub type Act = Box<dyn FnOnce(&mut World, &mut ServoBoard, &mut dyn Host, VirtualNanos) + Send>;
+
+/// A change at the outputs of the DAC.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CommandSeen {
+    /// When.
+    pub at: VirtualNanos,
+    /// Codes on channels A and B.
+    pub codes: [u16; 2],
+    /// Torque at the motor's amplifier, N m.
+    pub torque_nm: f64,
+    /// Field at the high-voltage amplifier if its supply is on, kV/mm.
+    pub field_kv_mm: f64,
+    /// Whether the high-voltage supply is on.
+    pub hv_enable: bool,
+}
+
+/// The world around the MCU.
+pub struct World {
+    /// The machine.
+    pub rotor: Rotor,
+    /// The reader of the log; `None` when no probe is there.
+    pub probe: Option<Probe>,
+    /// Every write to the DAC's outputs, in order.
+    pub commands: Vec<CommandSeen>,
+    /// Instants of the falling edges of SAMPLE.
+    pub samples: Vec<VirtualNanos>,
+    /// Addresses of watched instructions that were reached, with the instruction count.
+    pub hits: Vec<(u64, u64)>,
+    script: VecDeque<(VirtualNanos, Act)>,
+    until: VirtualNanos,
+    pins: Pins,
+}
+
+impl std::fmt::Debug for World {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("World").field("until", &self.until).field("pins", &self.pins).finish_non_exhaustive()
+    }
+}
+
+/// Levels of the MCU's output pins, as last seen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+struct Pins {
+    sample: bool,
+    a0: bool,
+    a1: bool,
+    reset: bool,
+    ldac: bool,
+    clear: bool,
+    hv_enable: bool,
+}
+
+impl World {
+    /// A world that ends at `until`, with nothing happening in it.
+    pub fn new(rotor: Rotor, until: VirtualNanos) -> Self {
+        Self {
+            rotor,
+            probe: None,
+            commands: Vec::new(),
+            samples: Vec::new(),
+            hits: Vec::new(),
+            script: VecDeque::new(),
+            until,
+            pins: Pins { sample: true, reset: true, ldac: true, clear: true, ..Pins::default() },
+        }
+    }
+
+    /// Does `act` at `at`; instants may come in any order.
+    pub fn at(&mut self, at: VirtualNanos, act: impl FnOnce(&mut Self, &mut ServoBoard, &mut dyn Host, VirtualNanos) + Send + 'static) {
+        let place = self.script.partition_point(|(when, _)| *when <= at);
+        self.script.insert(place, (at, Box::new(act)));
+    }
+
+    /// Drives a pin at an instant.
+    pub fn drive_at(&mut self, at: VirtualNanos, (port, pin): (Port, u8), high: bool) {
+        self.at(at, move |_, board, _, now| board.drive(now, port, pin, high));
+    }
+
+    /// Moves the rotor to `now`, and shows its angle to the converter and its field to the monitor.
+    fn move_rotor(&mut self, board: &mut ServoBoard, now: VirtualNanos) {
+        self.rotor.advance_to(now.0 as f64 * 1e-9);
+        if let Some(resolver) = board.resolver() {
+            resolver.advance_to(now);
+            resolver.chip.set_motion(self.rotor.angle_rad(), self.rotor.speed_rad_s());
+        }
+        board.set_monitor(self.rotor.field_kv_mm());
+    }
+
+    /// Carries the levels of the MCU's pins to the chips.
+    fn carry_pins(&mut self, board: &mut ServoBoard, now: VirtualNanos) {
+        let pins = Pins {
+            sample: board.level(Port::B, 0),
+            a0: board.level(Port::B, 1),
+            a1: board.level(Port::B, 2),
+            reset: board.level(Port::B, 10),
+            ldac: board.level(Port::C, 6),
+            clear: board.level(Port::C, 7),
+            hv_enable: board.level(Port::C, 8),
+        };
+        let before = std::mem::replace(&mut self.pins, pins);
+        if pins == before {
+            return;
+        }
+        if before.sample && !pins.sample {
+            self.move_rotor(board, now);
+            self.samples.push(now);
+        }
+        if let Some(resolver) = board.resolver() {
+            resolver.advance_to(now);
+            resolver.chip.set_pin(ResolverPin::A0, pins.a0);
+            resolver.chip.set_pin(ResolverPin::A1, pins.a1);
+            resolver.chip.set_pin(ResolverPin::Reset, pins.reset);
+            resolver.chip.set_pin(ResolverPin::Sample, pins.sample);
+        }
+        let loads = before.ldac && !pins.ldac || before.clear != pins.clear || before.hv_enable != pins.hv_enable;
+        if let Some(dac) = board.dac() {
+            dac.chip.set_pin(DacPin::Clear, pins.clear);
+            dac.chip.set_pin(DacPin::Ldac, pins.ldac);
+        }
+        if loads {
+            self.take_commands(board, now);
+        }
+    }
+
+    /// The outputs of the DAC act on the rotor from `now` on.
+    fn take_commands(&mut self, board: &mut ServoBoard, now: VirtualNanos) {
+        let Some(dac) = board.dac() else { return };
+        let hv_enable = self.pins.hv_enable;
+        let (codes, torque_nm) = (dac.chip.codes(), dac.chip.torque_nm());
+        let field_kv_mm = if hv_enable { dac.chip.field_kv_mm() } else { 0.0 };
+        self.rotor.advance_to(now.0 as f64 * 1e-9);
+        self.rotor.command(torque_nm, field_kv_mm);
+        self.commands.push(CommandSeen { at: now, codes, torque_nm, field_kv_mm, hv_enable });
+    }
+}
+
+impl Driver<ServoBoard> for World {
+    fn on_settled(&mut self, session: &mut Session<ServoBoard>, _host: &mut dyn Host, settled: Settled) {
+        match settled {
+            Settled::Access { access, .. } if access.kind == AccessKind::Write && PORTS.contains(&access.address) => {
+                self.carry_pins(session.board_mut(), access.virtual_time);
+            }
+            Settled::Hit(hit) => self.hits.push((hit.address, hit.instruction_count)),
+            _ => {}
+        }
+    }
+
+    fn on_stop(&mut self, session: &mut Session<ServoBoard>, stop: Stop, host: &mut dyn Host) -> Option<VirtualNanos> {
+        let now = stop.at;
+        while self.script.front().is_some_and(|(when, _)| *when <= now) {
+            if let Some((_, act)) = self.script.pop_front() {
+                act(self, session.board_mut(), host, now);
+            }
+        }
+        self.carry_pins(session.board_mut(), now);
+        if let Some(probe) = &mut self.probe {
+            probe.drain(host);
+        }
+        if now >= self.until {
+            return None;
+        }
+        let due = session.board_mut().terminal().and_then(|terminal| terminal.next_due());
+        let script = self.script.front().map(|(when, _)| *when);
+        let next = [Some(VirtualNanos(now.0 + STRIDE_NS)), due, script, Some(self.until)].into_iter().flatten().min();
+        // A byte that is due already goes out at this very stop.
+        next.map(|next| VirtualNanos(next.0.max(now.0 + 1)))
+    }
+}
