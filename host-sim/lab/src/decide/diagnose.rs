@@ -44,6 +44,20 @@ pub fn diagnose(request: &Request<'_>) -> Result<Diagnosis, Error> {
     let problem = Problem::new(prepare(request.recordings), nominal.clone());
     let linear = request.machine.axis.kind == AxisKind::Linear;
     let outcome = Search::new(&problem, request.vocabulary, linear).run();
+    if std::env::var("DIAG").is_ok() {
+        for (i, m) in problem.motions.iter().enumerate() {
+            let rest = m.at_rest.iter().filter(|r| **r).count();
+            eprintln!("{} cells {} rest {} broken {} noise {:.3e} glitches {}", m.name, m.cells(), rest, m.broken.iter().filter(|b| **b).count(), m.noise, m.glitches.len());
+            for w in 0..3 {
+                let rows: Vec<f64> = problem.equations.iter().enumerate().filter(|(_, e)| e.recording == i && e.width == w).map(|(k, _)| outcome.nominal.residual[k] / outcome.weights[k]).collect();
+                let weights: Vec<f64> = problem.equations.iter().enumerate().filter(|(_, e)| e.recording == i && e.width == w).map(|(k, _)| 1.0 / outcome.weights[k]).collect();
+                let after: Vec<f64> = problem.equations.iter().enumerate().filter(|(_, e)| e.recording == i && e.width == w).map(|(k, _)| outcome.fit.residual[k] / outcome.weights[k]).collect();
+                let rms = |v: &[f64]| (v.iter().map(|x| x * x).sum::<f64>() / v.len() as f64).sqrt();
+                eprintln!("  width {w}: rows {} nominal rms {:.3e} after {:.3e} sigma {:.3e}", rows.len(), rms(&rows), rms(&after), rms(&weights));
+            }
+        }
+        eprintln!("orders {:?}", outcome.excitation.orders);
+    }
     let refitter = Refitter::new(&problem, &outcome);
     let fit = &outcome.fit;
     let covariance = Covariance::new(&problem, fit, refitter.inflation(fit));

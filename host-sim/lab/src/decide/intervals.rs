@@ -83,7 +83,7 @@ fn slopes(entry: &Active, count: usize) -> DMatrix<f64> {
     let free: Vec<usize> = (0..entry.values.len()).filter(|&value| entry.effect.parameter(value).free).collect();
     let mut slopes = DMatrix::zeros(count, free.len());
     for (column, &value) in free.iter().enumerate() {
-        let step = 1e-6 * entry.values[value].abs().max(1e-6 * entry.effect.parameter(value).scale);
+        let step = 1e-6 * entry.values[value].abs().max(entry.ranges[value].scale);
         let at = |change: f64| {
             let mut values = entry.values.clone();
             values[value] += change;

@@ -1,12 +1,12 @@
 //! A load behind a gap: as compliance, with a dead zone of that total width.
 
-use super::{Effect, Load, always, as_fitted, free};
+use super::{Effect, Load, Size, always, as_fitted, free, sized};
 
 /// The entry of the vocabulary.
 pub static EFFECT: Effect = Effect {
     id: "backlash",
     sentence: "Part of the inertia hangs behind a gap: gear, key, spline or coupling with play.",
-    parameters: &[free(0.0, 1.0, 2e-3), free(1.0, 1000.0, 5.0), free(1e-4, 2.0, 0.02), free(1e-3, 20.0, 0.1)],
+    parameters: &[sized(Size::Travel, 0.0, 0.1, 1e-3), free(1.0, 500.0, 5.0), free(1e-3, 1.0, 0.02), free(1e-2, 5.0, 0.1)],
     applies: always,
     starts: |_, e| {
         let mut all = Vec::new();

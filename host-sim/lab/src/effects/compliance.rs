@@ -6,7 +6,7 @@ use super::{Effect, Load, always, as_fitted, free};
 pub static EFFECT: Effect = Effect {
     id: "compliance",
     sentence: "Part of the inertia hangs on a flexible shaft or coupling and resonates.",
-    parameters: &[free(1.0, 1000.0, 5.0), free(1e-4, 1.0, 0.02), free(1e-3, 20.0, 0.1)],
+    parameters: &[free(1.0, 500.0, 5.0), free(1e-3, 1.0, 0.02), free(1e-2, 5.0, 0.1)],
     applies: always,
     starts: |_, _| {
         [6.0, 10.0, 15.0, 22.0, 32.0, 45.0, 65.0, 95.0, 140.0]

@@ -52,16 +52,75 @@ pub struct Parameter {
     pub scale: f64,
     /// False for numbers the start grid decides, such as an order per revolution.
     pub free: bool,
+    /// What bounds and scale are multiples of.
+    pub size: Size,
+}
+
+/// What the numbers of a parameter are measured by on a machine.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Size {
+    /// The unit itself.
+    Unit,
+    /// Root mean square of the commanded torque.
+    Torque,
+    /// Largest commanded torque.
+    TorquePeak,
+    /// Torque over the largest speed.
+    Damping,
+    /// Torque over the square of the largest speed.
+    Drag,
+    /// Torque over the travel.
+    Stiffness,
+    /// The largest speed.
+    Speed,
+    /// The nominal inertia.
+    Inertia,
+    /// The travel.
+    Travel,
+}
+
+impl Size {
+    /// In SI units of the axis.
+    pub fn of(self, physics: &Physics, excitation: &Excitation) -> f64 {
+        let (speed, travel) = (excitation.speed_peak.max(1e-9), excitation.travel.max(1e-9));
+        match self {
+            Self::Unit => 1.0,
+            Self::Torque => excitation.torque_rms,
+            Self::TorquePeak => excitation.torque_peak,
+            Self::Damping => excitation.torque_rms / speed,
+            Self::Drag => excitation.torque_rms / (speed * speed),
+            Self::Stiffness => excitation.torque_rms / travel,
+            Self::Speed => speed,
+            Self::Inertia => physics.inertia,
+            Self::Travel => travel,
+        }
+    }
+}
+
+/// Bounds and scale of a parameter on a machine, in its own unit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Range {
+    /// Smallest value.
+    pub low: f64,
+    /// Largest value.
+    pub high: f64,
+    /// Typical change.
+    pub scale: f64,
 }
 
 /// A free parameter between two bounds.
 pub(crate) const fn free(low: f64, high: f64, scale: f64) -> Parameter {
-    Parameter { low, high, scale, free: true }
+    Parameter { low, high, scale, free: true, size: Size::Unit }
+}
+
+/// A free parameter whose bounds and scale are multiples of a size of the machine.
+pub(crate) const fn sized(size: Size, low: f64, high: f64, scale: f64) -> Parameter {
+    Parameter { low, high, scale, free: true, size }
 }
 
 /// A parameter the start grid decides.
 pub(crate) const fn fixed() -> Parameter {
-    Parameter { low: f64::NEG_INFINITY, high: f64::INFINITY, scale: 1.0, free: false }
+    Parameter { low: f64::NEG_INFINITY, high: f64::INFINITY, scale: 1.0, free: false, size: Size::Unit }
 }
 
 /// What these recordings excite: sizes that start grids are scaled by, and candidates found in the residual.
@@ -127,6 +186,16 @@ impl Effect {
     /// Bounds and scale of the value at `index`.
     pub fn parameter(&self, index: usize) -> Parameter {
         self.parameters[index.min(self.parameters.len() - 1)]
+    }
+
+    /// Bounds and scale of each value on a machine.
+    pub fn ranges(&self, count: usize, physics: &Physics, excitation: &Excitation) -> Vec<Range> {
+        let range = |index| {
+            let parameter = self.parameter(index);
+            let size = parameter.size.of(physics, excitation);
+            Range { low: parameter.low * size, high: parameter.high * size, scale: parameter.scale * size }
+        };
+        (0..count).map(range).collect()
     }
 
     /// Number of fitted values that count as freedom, for values of that length.

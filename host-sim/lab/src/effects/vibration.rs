@@ -1,12 +1,12 @@
 //! A steady external sine, its phase free in each recording.
 
-use super::{Effect, Vibration, always, free};
+use super::{Effect, Size, Vibration, always, free, sized};
 
 /// The entry of the vocabulary.
 pub static EFFECT: Effect = Effect {
     id: "vibration",
     sentence: "The machine is shaken at one frequency: a pump, a fan, a neighbour on the same frame.",
-    parameters: &[free(0.1, 1000.0, 0.1), free(-1e9, 1e9, 0.1)],
+    parameters: &[free(0.1, 1000.0, 0.1), sized(Size::Torque, -1e2, 1e2, 0.05)],
     applies: always,
     starts: |_, e| {
         e.frequencies_hz

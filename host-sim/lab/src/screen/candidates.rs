@@ -131,7 +131,12 @@ fn tone(points: &[&Point], omega: f64) -> f64 {
     2.0 * (sine_sum * sine_sum + cosine_sum * cosine_sum) / points.len().max(1) as f64
 }
 
-/// In each recording the span whose mean stands out most, and the recording's best two.
+/// How much more than any other span of its recording a push must stand out.
+const STANDS_OUT: f64 = 3.0;
+/// Longest push, in points of half the bump's width.
+const LONGEST: usize = 120;
+
+/// In each recording the span whose mean stands out most, where it does so far beyond any other.
 fn pulses(problem: &Problem, residual: &[f64]) -> Vec<Pulse> {
     let mut all = Vec::new();
     for recording in 0..problem.motions.len() {
@@ -142,22 +147,33 @@ fn pulses(problem: &Problem, residual: &[f64]) -> Vec<Pulse> {
             .filter(|(equation, _)| equation.recording == recording && equation.width == 1)
             .map(|(equation, &value)| (equation.row.centre_s, value))
             .collect();
-        let mut best: Option<(f64, Pulse)> = None;
-        for from in 0..points.len() {
-            let mut sum = 0.0;
-            for to in from..points.len().min(from + 120) {
-                sum += points[to].1;
-                let count = (to - from + 1) as f64;
-                let score = sum * sum / count;
-                if best.as_ref().is_none_or(|(top, _)| score > *top) {
-                    let (start_s, end_s) = (points[from].0 - 0.005, points[to].0 + 0.005);
-                    // The residual is inertia times acceleration minus what is known: a push is its sum.
-                    let pulse = Pulse { recording, start_s, duration_s: end_s - start_s, amplitude: sum / count };
-                    best = Some((score, pulse));
-                }
-            }
+        let Some((score, from, to)) = best_span(&points) else { continue };
+        // Bumps around the edges see part of the push.
+        let (before, after) = (from.saturating_sub(4), (to + 5).min(points.len()));
+        let beside = [&points[..before], &points[after..]];
+        let next = beside.iter().filter_map(|part| best_span(part)).map(|span| span.0).fold(0.0, f64::max);
+        if score > STANDS_OUT * next {
+            let mean = points[from..=to].iter().map(|point| point.1).sum::<f64>() / (to - from + 1) as f64;
+            let (start_s, end_s) = (points[from].0 - 0.005, points[to].0 + 0.005);
+            // The residual is inertia times acceleration minus what is known: a push is its sum.
+            all.push(Pulse { recording, start_s, duration_s: end_s - start_s, amplitude: mean });
         }
-        all.extend(best.map(|(_, pulse)| pulse));
     }
     all
+}
+
+/// The span with the largest square of its sum over its length: score, first and last point.
+fn best_span(points: &[(f64, f64)]) -> Option<(f64, usize, usize)> {
+    let mut best: Option<(f64, usize, usize)> = None;
+    for from in 0..points.len() {
+        let mut sum = 0.0;
+        for (to, point) in points.iter().enumerate().skip(from).take(LONGEST) {
+            sum += point.1;
+            let score = sum * sum / (to - from + 1) as f64;
+            if best.is_none_or(|(top, _, _)| score > top) {
+                best = Some((score, from, to));
+            }
+        }
+    }
+    best
 }

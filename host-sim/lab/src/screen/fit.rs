@@ -3,6 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::problem::{Active, Parts, Problem};
+use crate::effects::Range;
 
 /// A hypothesis at its optimum.
 #[derive(Debug, Clone)]
@@ -36,6 +37,13 @@ impl Fit {
     }
 }
 
+/// Balance and derivatives of a hypothesis.
+#[derive(Debug)]
+pub(crate) struct Base {
+    parts: Parts,
+    jacobian: DMatrix<f64>,
+}
+
 /// Which value of which effect a column belongs to.
 #[derive(Debug, Clone, Copy)]
 struct Place {
@@ -50,10 +58,9 @@ fn places(active: &[Active]) -> Vec<Place> {
     let mut all = Vec::new();
     for (index, entry) in active.iter().enumerate() {
         for (value, &now) in entry.values.iter().enumerate() {
-            let parameter = entry.effect.parameter(value);
-            if parameter.free {
-                let step = 1e-3 * now.abs().max(parameter.scale);
-                all.push(Place { effect: index, value, step, low: parameter.low, high: parameter.high });
+            if entry.effect.parameter(value).free {
+                let Range { low, high, scale } = entry.ranges[value];
+                all.push(Place { effect: index, value, step: 1e-3 * now.abs().max(scale), low, high });
             }
         }
     }
@@ -75,31 +82,39 @@ impl Fitter<'_> {
         (DVector::from_iterator(raw.len(), raw.iter().zip(self.weights).map(|(r, w)| r * w)), parts)
     }
 
+    /// Derivative by one value, one-sided: the residual at the values themselves is known.
     fn column(&self, active: &[Active], place: Place, residual: &DVector<f64>, parts: &Parts) -> DVector<f64> {
         let mut moved = active.to_vec();
         let value = active[place.effect].values[place.value];
-        let up = (value + place.step).min(place.high);
-        let down = (value - place.step).max(place.low);
-        moved[place.effect].values[place.value] = up;
-        let (above, up) = if up > value { (Some(self.residual(&moved, Some(parts)).0), up) } else { (None, value) };
-        moved[place.effect].values[place.value] = down;
-        let (below, down) = if down < value { (Some(self.residual(&moved, Some(parts)).0), down) } else { (None, value) };
-        (above.as_ref().unwrap_or(residual) - below.as_ref().unwrap_or(residual)) / (up - down).max(1e-300)
+        let step = if value + place.step > place.high { -place.step } else { place.step };
+        moved[place.effect].values[place.value] = value + step;
+        (self.residual(&moved, Some(parts)).0 - residual) / step
     }
 
-    fn jacobian(&self, active: &[Active], residual: &DVector<f64>, parts: &Parts) -> DMatrix<f64> {
+    /// Derivatives by all free values; the first columns are taken as they are where they are given.
+    fn jacobian(
+        &self,
+        active: &[Active],
+        residual: &DVector<f64>,
+        parts: &Parts,
+        given: Option<&DMatrix<f64>>,
+    ) -> DMatrix<f64> {
         let places = places(active);
         let mut jacobian = DMatrix::zeros(residual.len(), places.len());
-        for (index, &place) in places.iter().enumerate() {
+        let known = given.map_or(0, DMatrix::ncols);
+        if let Some(given) = given {
+            jacobian.columns_mut(0, known).copy_from(given);
+        }
+        for (index, &place) in places.iter().enumerate().skip(known) {
             jacobian.set_column(index, &self.column(active, place, residual, parts));
         }
         jacobian
     }
 
     /// What one bounded step from these values would reach: sum of squares, and the values.
-    pub(crate) fn glimpse(&self, active: &[Active], known: Option<&Parts>) -> (f64, Vec<Active>) {
-        let (residual, parts) = self.residual(active, known);
-        let jacobian = self.jacobian(active, &residual, &parts);
+    pub(crate) fn glimpse(&self, active: &[Active], base: &Base) -> (f64, Vec<Active>) {
+        let (residual, parts) = self.residual(active, Some(&base.parts));
+        let jacobian = self.jacobian(active, &residual, &parts, Some(&base.jacobian));
         let step = bounded_step(active, &residual, &jacobian, 1e-9);
         let reached = moved(active, &step);
         let (after, _) = self.residual(&reached, Some(&parts));
@@ -107,11 +122,26 @@ impl Fitter<'_> {
         if after < before { (after, reached) } else { (before, active.to_vec()) }
     }
 
+    /// What a hypothesis shares with those that add to it.
+    pub(crate) fn base(&self, fit: &Fit) -> Base {
+        Base { parts: self.residual(&fit.active, None).1, jacobian: fit.jacobian.clone() }
+    }
+
     /// Levenberg-Marquardt within the bounds; never ends above where it started.
     pub(crate) fn fit(&self, start: &[Active], iterations: usize) -> Fit {
+        self.descend(start, iterations, None)
+    }
+
+    /// The same for a hypothesis that adds to a base: the derivatives of the base are taken as they were there.
+    pub(crate) fn fit_on(&self, start: &[Active], iterations: usize, base: &Base) -> Fit {
+        self.descend(start, iterations, Some(base))
+    }
+
+    fn descend(&self, start: &[Active], iterations: usize, base: Option<&Base>) -> Fit {
+        let given = base.map(|base| &base.jacobian);
         let mut active = start.to_vec();
-        let (mut residual, mut parts) = self.residual(&active, None);
-        let mut jacobian = self.jacobian(&active, &residual, &parts);
+        let (mut residual, mut parts) = self.residual(&active, base.map(|base| &base.parts));
+        let mut jacobian = self.jacobian(&active, &residual, &parts, given);
         let mut damping = 1e-4;
         for _ in 0..iterations {
             if jacobian.ncols() == 0 {
@@ -123,9 +153,9 @@ impl Fitter<'_> {
             let (old, new) = (residual.norm_squared(), after.norm_squared());
             if new < old {
                 (active, residual, parts) = (trial, after, after_parts);
-                jacobian = self.jacobian(&active, &residual, &parts);
+                jacobian = self.jacobian(&active, &residual, &parts, given);
                 damping = (damping * 0.2).max(1e-9);
-                if old - new < 1e-6 * old {
+                if old - new < 1e-5 * old {
                     break;
                 }
             } else {
@@ -155,8 +185,12 @@ impl Fitter<'_> {
             let part = DMatrix::from_fn(rows.len(), columns, |r, c| jacobian[(rows[r], c)]);
             let here = DVector::from_fn(rows.len(), |r, _| residual[rows[r]]);
             let (others, pull) = (&normal - part.tr_mul(&part), &gradient - part.tr_mul(&here));
-            let mut step = solve(&others, &pull, 1e-9);
+            let mut step = solve_near(&others, &normal, &pull);
             for (value, place) in step.iter_mut().zip(&places) {
+                // An event informs its own block only; nothing can predict it from the others.
+                if active[place.effect].effect.id == "disturbance_pulse" {
+                    *value = 0.0;
+                }
                 let now = active[place.effect].values[place.value];
                 *value = (now + *value).clamp(place.low, place.high) - now;
             }
@@ -210,6 +244,15 @@ fn step_of(step: &DVector<f64>, open: &[usize]) -> DVector<f64> {
     let mut held = step.clone();
     open.iter().for_each(|&index| held[index] = 0.0);
     held
+}
+
+/// Solves part x = -gradient for a part of the equations, held near zero by a thousandth of what all of them know.
+fn solve_near(part: &DMatrix<f64>, normal: &DMatrix<f64>, gradient: &DVector<f64>) -> DVector<f64> {
+    let mut held = part.clone();
+    for index in 0..gradient.len() {
+        held[(index, index)] += 1e-3 * normal[(index, index)];
+    }
+    solve(&held, gradient, 0.0)
 }
 
 /// Solves normal x = -gradient, scaled to a unit diagonal, damped.

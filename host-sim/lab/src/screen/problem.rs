@@ -2,7 +2,7 @@
 
 use super::motion::Motion;
 use super::{balance, internal, weak};
-use crate::effects::{Effect, Physics};
+use crate::effects::{Effect, Physics, Range};
 
 /// Half-widths of the bumps, s: fine enough to tell a lag from a dead time, wide enough for a coarse position.
 const HALF_WIDTHS_S: [f64; 3] = [0.008, 0.020, 0.050];
@@ -18,6 +18,8 @@ pub struct Active {
     pub effect: &'static Effect,
     /// What the fit moves.
     pub values: Vec<f64>,
+    /// Bounds and scale of each value.
+    pub ranges: Vec<Range>,
 }
 
 /// One row of the problem.
@@ -52,6 +54,8 @@ pub(crate) struct Parts {
     damper: Vec<Vec<f64>>,
     friction: Vec<Vec<f64>>,
     external: Vec<Vec<f64>>,
+    /// What a flexible load takes, and the inertia that stays with the rotor.
+    load: Option<(Vec<Vec<f64>>, f64)>,
 }
 
 impl Problem {
@@ -103,14 +107,26 @@ impl Problem {
                 .map_or_else(|| each(&|_, m| balance::friction(physics, m)), |k| k.friction.clone()),
             external: same(same_external)
                 .map_or_else(|| each(&|i, m| balance::external(physics, m, i)), |k| k.external.clone()),
+            load: self.load(physics, same(same_load)),
             physics: physics.clone(),
         }
     }
 
-    /// Residual of each equation, N m (N), unweighted: inertia times acceleration minus the torque.
+    fn load(&self, physics: &Physics, known: Option<&Parts>) -> Option<(Vec<Vec<f64>>, f64)> {
+        let load = physics.load.as_ref()?;
+        if let Some(known) = known {
+            return known.load.clone();
+        }
+        let each = self.motions.iter().map(|motion| internal::load(motion, load, physics.inertia));
+        let (pulls, motors): (Vec<Vec<f64>>, Vec<f64>) = each.unzip();
+        motors.first().map(|&motor| (pulls, motor))
+    }
+
+    /// Residual of each equation, N m (N), unweighted: inertia times acceleration minus the torque. Bounds of the effects
+    /// keep a model from improving by scaling all its torques down.
     pub(crate) fn residual(&self, parts: &Parts) -> Vec<f64> {
         let physics = &parts.physics;
-        let mut inertia = physics.inertia;
+        let inertia = parts.load.as_ref().map_or(physics.inertia, |(_, motor)| *motor);
         let mut cells: Vec<Vec<f64>> = Vec::with_capacity(self.motions.len());
         for (index, motion) in self.motions.iter().enumerate() {
             let mut torque: Vec<f64> = (0..motion.cells())
@@ -119,10 +135,8 @@ impl Problem {
                         + parts.external[index][cell]
                 })
                 .collect();
-            if let Some(load) = &physics.load {
-                let (pull, motor) = internal::load(motion, load, physics.inertia);
-                inertia = motor;
-                torque.iter_mut().zip(&pull).for_each(|(torque, pull)| *torque -= pull);
+            if let Some((pulls, _)) = &parts.load {
+                torque.iter_mut().zip(&pulls[index]).for_each(|(torque, pull)| *torque -= pull);
             }
             cells.push(torque);
         }
@@ -183,4 +197,8 @@ fn same_external(a: &Physics, b: &Physics) -> bool {
         && a.spring == b.spring
         && a.vibration == b.vibration
         && a.pulses == b.pulses
+}
+
+fn same_load(a: &Physics, b: &Physics) -> bool {
+    a.load == b.load && a.inertia == b.inertia
 }

@@ -165,10 +165,13 @@ impl<'a> Search<'a> {
             return None;
         }
         let fitter = self.fitter();
-        let (_, known) = fitter.residual(&base.active, None);
+        let known = fitter.base(base);
         let mut starts: Vec<Active> = (effect.starts)(&machine, &self.excitation)
             .into_iter()
-            .map(|values| Active { effect, values })
+            .map(|values| {
+                let ranges = effect.ranges(values.len(), &self.problem.nominal, &self.excitation);
+                Active { effect, values, ranges }
+            })
             .filter(|entry| !duplicate(&base.active, entry))
             .collect();
         let variants = starts.len();
@@ -177,14 +180,14 @@ impl<'a> Search<'a> {
             let mut scored: Vec<(f64, Active)> = starts
                 .iter()
                 .filter_map(|entry| {
-                    let (sse, mut reached) = fitter.glimpse(&with(entry), Some(&known));
+                    let (sse, mut reached) = fitter.glimpse(&with(entry), &known);
                     reached.pop().map(|entry| (sse, entry))
                 })
                 .collect();
             scored.sort_by(|a, b| a.0.total_cmp(&b.0));
             starts = scored.into_iter().take(FINALISTS).map(|(_, entry)| entry).collect();
         }
-        let fits = starts.iter().map(|entry| fitter.fit(&with(entry), ITERATIONS));
+        let fits = starts.iter().map(|entry| fitter.fit_on(&with(entry), ITERATIONS, &known));
         fits.min_by(|a, b| a.sse.total_cmp(&b.sse)).map(|fit| (fit, variants))
     }
 
@@ -232,15 +235,22 @@ impl<'a> Search<'a> {
     pub fn run(mut self) -> Outcome {
         let mut fit = self.fitter().fit(&[], 0);
         let mut seen: Vec<Trial> = Vec::new();
-        loop {
+        // A step that the next one takes back would repeat for ever.
+        for _ in 0..MAX_ENTRIES {
             let trials = self.round(&fit);
             let chosen = self.choose(&trials).cloned();
             merge(&mut seen, &trials);
             let Some(chosen) = chosen else { break };
-            fit = self.exchange(chosen.fit, &seen);
+            let before = fit.active.len();
+            fit = self.fitter().fit(&chosen.fit.active, ITERATIONS);
+            fit = self.exchange(fit, &seen);
             fit = self.backward(fit);
+            let stays = fit.active.len() <= before;
             self.weigh(&fit.active);
             fit = self.fitter().fit(&fit.active, ITERATIONS);
+            if stays {
+                break;
+            }
         }
         fit = self.backward(fit);
         let nominal = self.fitter().fit(&[], 0);
@@ -269,11 +279,11 @@ impl<'a> Search<'a> {
                 let base = self.fitter().fit(&rest, ITERATIONS);
                 let open: Vec<&'static Effect> = seen
                     .iter()
-                    .filter(|trial| trial.gain > 0.01)
+                    .filter(|trial| trial.gain > MIN_GAIN)
                     .map(|trial| trial.effect)
                     .filter(|effect| effect.id != out.effect.id)
                     .filter(|effect| !rest.iter().any(|entry| conflicts(entry.effect, effect)))
-                    .take(10)
+                    .take(6)
                     .collect();
                 let fits: Vec<Fit> =
                     open.par_iter().filter_map(|&effect| self.attempt(&base, effect)).map(|(fit, _)| fit).collect();
