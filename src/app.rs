@@ -110,7 +110,7 @@ where
         Ok(())
     }
 
-    /// One tick, in the interrupt: read, one [`step`], write. A command that cannot be written is a fault in this very
+    /// One tick, in the interrupt: read, one [`step()`], write. A command that cannot be written is a fault in this very
     /// tick: outputs are cleared by pin and high voltage is disabled; the law latches it in the next.
     pub fn tick(&mut self, orders: &Orders) -> Frame {
         let inputs = self.read(orders);

@@ -1,6 +1,6 @@
 //! Control library of the er-servo.
 //!
-//! One pure function, [`step`], is the only way into the control law: data in, data out, no register, no clock, no
+//! One pure function, [`step()`], is the only way into the control law: data in, data out, no register, no clock, no
 //! allocation. Firmware, simulation, replay and the emulated board call that same function, so a recording of its
 //! [`Inputs`] replays to the bit.
 //!
@@ -29,6 +29,8 @@ pub mod drivers;
 pub mod experiment;
 mod fault;
 mod frame;
+#[cfg(feature = "host-sim")]
+pub mod host_sim;
 mod law;
 pub mod link;
 mod maths;

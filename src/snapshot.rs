@@ -58,7 +58,7 @@ impl State {
     /// The state those bytes stand for.
     ///
     /// # Errors
-    /// A wrong length or an unknown tag; any other bytes are a state, if an odd one, and [`crate::step`] takes it.
+    /// A wrong length or an unknown tag; any other bytes are a state, if an odd one, and [`crate::step()`] takes it.
     pub fn decode(bytes: &[u8]) -> Result<Self, SnapshotError> {
         let bytes: &[u8; STATE_BYTES] = bytes.try_into().map_err(|_| SnapshotError::Length)?;
         let word = |at: usize| u32::from_le_bytes([bytes[at], bytes[at + 1], bytes[at + 2], bytes[at + 3]]);

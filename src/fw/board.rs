@@ -21,17 +21,25 @@ use embedded_hal_bus::spi::{ExclusiveDevice, NoDelay};
 use er_servo::app::{FieldMonitor, Servo, Wiring};
 use er_servo::drivers::ad2s1210::{self, Ad2s1210};
 use er_servo::drivers::dac::{self, Dac, Part};
+use er_servo::link::BAUD;
 use er_servo::{Config, Faults, Frame, MonitorCode, Params};
 use heapless::spsc::{Consumer, Producer, Queue};
 use stm32f4xx_hal::adc::Adc;
 use stm32f4xx_hal::adc::config::{AdcConfig, SampleTime, Sequence};
+use stm32f4xx_hal::dma::traits::{PeriAddress, Stream};
+use stm32f4xx_hal::dma::{DmaChannel, DmaDataSize, DmaDirection, Stream5, StreamsTuple};
+use stm32f4xx_hal::flash::LockedFlash;
 use stm32f4xx_hal::gpio::{Input, Output, PEPin, PushPull};
 use stm32f4xx_hal::pac;
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc;
+use stm32f4xx_hal::serial::config::DmaConfig;
+use stm32f4xx_hal::serial::{self, Rx, Serial, Tx};
 use stm32f4xx_hal::spi::Spi;
 use stm32f4xx_hal::timer::{CounterHz, Event};
 use stm32f4xx_hal::watchdog::IndependentWatchdog;
+
+use super::storage::Storage;
 
 /// PC8.
 pub const HV_ENABLE_PIN: u32 = 8;
@@ -43,7 +51,9 @@ pub const FAULT_LAMP_PIN: u32 = 9;
 /// Frames between the interrupt and the log: 64 ms, power of two for a cheap queue.
 pub const QUEUE_FRAMES: usize = 128;
 /// The drive restarts when thread mode or the tick stands still for this long.
-const WATCHDOG_MS: u32 = 100;
+pub const WATCHDOG_MS: u32 = 100;
+/// Bytes of the link's ring.
+const RING_BYTES: usize = 1024;
 const CORE_HZ: u32 = 168_000_000;
 
 type Device<Bus, const PORT: char> = ExclusiveDevice<Spi<Bus>, PEPin<PORT, Output<PushPull>>, NoDelay>;
@@ -73,6 +83,14 @@ pub struct Board {
     pub frames: Consumer<'static, Frame>,
     /// What the last reset says.
     pub reset_faults: Faults,
+    /// Bytes of the link that came in.
+    pub ring: Ring,
+    /// Where answers go.
+    pub tx: Tx<pac::USART2>,
+    /// Parameters in flash.
+    pub storage: Storage,
+    /// Parameters of the law.
+    pub config: Config,
 }
 
 impl Board {
@@ -122,10 +140,61 @@ impl Board {
             monitor: Monitor::new(device.ADC1, c.pc0.into_analog(), &mut rcc),
             delay: CycleDelay,
         };
-        let servo = Servo::new(wiring, Params::new(&Config::default()).ok()?);
+        // Stored parameters have been checked; where there are none, those the image was built with.
+        let mut storage = Storage::new(LockedFlash::new(device.FLASH));
+        let config = storage.load().unwrap_or_default();
+        let servo = Servo::new(wiring, Params::new(&config).ok()?);
         let mut timer = device.TIM2.counter_hz(&mut rcc);
         timer.listen(Event::Update);
-        Some(Self { servo, timer, watchdog, frames_in, frames, reset_faults })
+        let serial_config = serial::Config::default().baudrate(BAUD.bps()).dma(DmaConfig::Rx);
+        let (tx, rx) = Serial::new(device.USART2, (a.pa2, a.pa3), serial_config, &mut rcc).ok()?.split();
+        let streams = StreamsTuple::new(device.DMA1, &mut rcc);
+        let ring = Ring::start(streams.5, rx, singleton!(: [u8; RING_BYTES] = [0; RING_BYTES])?);
+        Some(Self { servo, timer, watchdog, frames_in, frames, reset_faults, ring, tx, storage, config })
+    }
+}
+
+/// Bytes of the link that the DMA has put into memory: 11 ms of them at full rate.
+pub struct Ring {
+    stream: Stream5<pac::DMA1>,
+    bytes: &'static [u8; RING_BYTES],
+    at: usize,
+}
+
+impl Ring {
+    fn start(mut stream: Stream5<pac::DMA1>, rx: Rx<pac::USART2>, bytes: &'static mut [u8; RING_BYTES]) -> Self {
+        stream.set_channel(DmaChannel::Channel4);
+        stream.set_direction(DmaDirection::PeripheralToMemory);
+        stream.set_peripheral_address(rx.address());
+        stream.set_memory_address(bytes.as_ptr().addr() as u32);
+        stream.set_number_of_transfers(RING_BYTES as u16);
+        stream.set_memory_increment(true);
+        stream.set_circular_mode(true);
+        // SAFETY: both sides move bytes, the buffer lives for ever, and what the DMA writes to it is read as volatile.
+        #[allow(unsafe_code)]
+        unsafe {
+            stream.set_memory_size(DmaDataSize::Byte);
+            stream.set_peripheral_size(DmaDataSize::Byte);
+            stream.enable();
+        }
+        Self { stream, bytes, at: 0 }
+    }
+}
+
+impl Iterator for Ring {
+    type Item = u8;
+
+    /// The next byte, if one has come in. A reader that is a whole ring behind gets a mixture, which its check refuses.
+    fn next(&mut self) -> Option<u8> {
+        let written = RING_BYTES - usize::from(self.stream.number_of_transfers()).min(RING_BYTES);
+        if self.at == written % RING_BYTES {
+            return None;
+        }
+        let byte = self.bytes.get(self.at)?;
+        self.at = (self.at + 1) % RING_BYTES;
+        // SAFETY: a reference is a valid pointer; the DMA changes what is behind it.
+        #[allow(unsafe_code)]
+        Some(unsafe { core::ptr::read_volatile(byte) })
     }
 }
 

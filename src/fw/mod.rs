@@ -8,34 +8,45 @@
 //! There is no other interrupt: the link is received by DMA, so that its bytes, however many, cost the tick nothing.
 
 mod board;
+mod link;
 mod log;
 mod safe;
+mod storage;
 mod tick;
 
 use cortex_m_rt::entry;
 use defmt_rtt as _;
 
 use board::Board;
+use link::Link;
+use log::Log;
 
 #[entry]
 fn main() -> ! {
     // The peripherals are there exactly once; without them there is nothing to do but to be safe.
-    let Some(Board { servo, timer, watchdog, frames_in, mut frames, reset_faults, .. }) = Board::take() else {
-        safe::halt()
-    };
-    let mut watchdog = watchdog;
-    tick::start(servo, timer, frames_in, reset_faults);
-    let mut log = log::Log::new();
-    log.booted(reset_faults);
+    let Some(mut board) = Board::take() else { safe::halt() };
+    let mut log = Log::new();
+    log.booted(board.reset_faults);
+    if let Err(error) = board.servo.init() {
+        log::init_failed(&error);
+    }
+    board.watchdog.feed();
+    tick::start(board.servo, board.timer, board.frames_in, board.reset_faults);
+    let mut link = Link::new(board.ring, board.tx, board.storage, board.config);
     loop {
         let mut ticked = false;
-        while let Some(frame) = frames.dequeue() {
+        while let Some(frame) = board.frames.dequeue() {
             ticked = true;
             log.frame(&frame);
+            link.frame(&frame);
         }
+        link.poll(&mut log, &mut board.watchdog);
+        // Only while ticks advance: a tick that hangs restarts the drive, as does a thread that hangs.
         if ticked {
-            watchdog.feed();
+            board.watchdog.feed();
         }
-        cortex_m::asm::wfi();
+        if !link.sending() {
+            cortex_m::asm::wfi();
+        }
     }
 }

@@ -1,4 +1,4 @@
-//! The parts of the law, each pure; [`crate::step`] is what puts them together.
+//! The parts of the law, each pure; [`crate::step()`] is what puts them together.
 
 pub(crate) mod damper;
 pub(crate) mod mode;

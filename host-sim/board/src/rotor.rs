@@ -1,30 +1,55 @@
-//! The machine on the shaft: held still.
+//! The machine on the shaft.
 
-/// The rotor.
+use plant::{Command, Er, Model, Plant, State};
+
+/// The rotor, moved exactly from event to event.
 #[derive(Debug)]
 pub struct Rotor {
-    angle_rad: f64,
+    plant: Plant,
+    command: Command,
 }
 
 impl Rotor {
-    /// Held at an angle.
-    pub fn held(angle_rad: f64) -> Self {
-        Self { angle_rad }
+    /// The paper's machine with the field delayed by 2 ms and lagging by 3 ms, at rest at an angle.
+    ///
+    /// # Errors
+    ///
+    /// A model the plant refuses; not this one.
+    pub fn paper(angle_rad: f64) -> Result<Self, plant::Error> {
+        let model = Model { er: Some(Er::new(0.0704, 0.470, 0.002, 0.003)), ..Model::paper() };
+        Ok(Self { plant: Plant::new(&model, State::new(angle_rad, 0.0), 0.0)?, command: Command::default() })
     }
-    /// now
-    pub fn advance_to(&mut self, _now_s: f64) {}
-    /// cmd
-    pub fn command(&mut self, _torque_nm: f64, _field_kv_mm: f64) {}
-    /// a
+
+    /// Moves to `now_s`. Going back, or a command that is no number, cannot come from the board and moves nothing.
+    pub fn advance_to(&mut self, now_s: f64) {
+        if now_s > self.plant.now_s() {
+            let _ = self.plant.advance(&self.command, now_s);
+        }
+    }
+
+    /// Holds torque and field from now on.
+    pub fn command(&mut self, torque_nm: f64, field_kv_mm: f64) {
+        self.command.torque = torque_nm;
+        self.command.field_kv_mm = field_kv_mm;
+    }
+
+    /// A torque from outside, N m, from now on.
+    pub fn disturb(&mut self, torque_nm: f64) {
+        self.command.external_torque = torque_nm;
+    }
+
+    /// Angle, rad.
     pub fn angle_rad(&self) -> f64 {
-        self.angle_rad
+        self.plant.state().position
     }
-    /// s
+
+    /// Speed, rad/s.
     pub fn speed_rad_s(&self) -> f64 {
-        0.0
+        self.plant.state().velocity
     }
-    /// f
+
+    /// The field that acts, kV/mm.
     pub fn field_kv_mm(&self) -> f64 {
-        0.0
+        self.plant.last_segment().map_or(0.0, |segment| segment.fluid.at(segment.end_s - segment.start_s))
     }
 }

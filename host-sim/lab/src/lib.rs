@@ -9,6 +9,7 @@ pub mod effects;
 pub mod error;
 pub mod output;
 pub mod plot;
+pub mod progress;
 pub mod read;
 pub mod replay;
 pub mod report;

@@ -38,7 +38,7 @@ fn the_linear_axis_reads_without_gaps() {
     assert_eq!(recordings.len(), 2);
     for recording in recordings {
         assert_eq!((recording.axis, recording.rows()), (AxisKind::Linear, 24_841));
-        assert_eq!(recording.gaps, [], "{}", recording.name);
+        assert_eq!(recording.gaps, Vec::<usize>::new(), "{}", recording.name);
         assert!(recording.reference.is_some() && recording.extra.is_empty());
     }
 }

@@ -15,6 +15,10 @@ pub struct Command {
     /// The controller's speed estimate, rad/s (m/s). Only the viscosity models look at it: they recover the
     /// coefficient Q = (a E^2 + b E) / |w| from it.
     pub speed_estimate: f64,
+    /// The coefficient Q of the control law's equation (5), N m s/rad (N s/m), where the caller knows it; none to recover
+    /// it from field and speed estimate, which loses it at standstill (Q is finite there, the field is zero). Only the
+    /// viscosity models look at it, and not while braking.
+    pub viscosity: Option<f64>,
     /// Torque from outside on the rotor, N m (N). It passes no drive: no delay, no gain, no limit. Disturbances and
     /// process noise enter here.
     pub external_torque: f64,
@@ -32,6 +36,7 @@ impl Command {
             ("torque", self.torque),
             ("field", self.field_kv_mm),
             ("speed estimate", self.speed_estimate),
+            ("viscosity", self.viscosity.unwrap_or(0.0)),
             ("external torque", self.external_torque),
         ];
         for (quantity, value) in quantities {

@@ -12,8 +12,9 @@
 //! ```
 //!
 //! Nothing here steps time by brute force. On a [`Segment`] everything that acts is a formula, so the nominal machine
-//! is integrated in closed form; what has no closed form goes through collocation of order eight. Reversal, sticking
-//! and break-away are located in time.
+//! is integrated in closed form; what has no closed form goes through collocation of order eight. Reversal, sticking,
+//! break-away, yield and contact are located in time. Cutting a tick in two changes no effect by more than 1e-11 rad.
+//! Very stiff parameters (bristles beyond 1e9 N m/rad, resonances beyond 10 kHz) stay right but cost many steps a tick.
 //!
 //! # Units
 //!
@@ -24,10 +25,12 @@
 mod actuation;
 pub mod chips;
 mod command;
+pub mod effects;
 mod error;
 mod mechanics;
 mod model;
 mod plant;
+pub mod sensor;
 mod timeline;
 
 pub use actuation::{Segment, Signal};

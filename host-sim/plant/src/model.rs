@@ -1,6 +1,7 @@
 //! The machine as numbers.
 
-use crate::Error;
+use crate::effects::{Asymmetry, Gravity, Harmonic, Pulse, Shaft, Stribeck, Vibration, friction, position};
+use crate::{Error, sensor::SensorModel};
 
 /// Everything the physics knows of a machine. SI; torques in N m or N, see the crate documentation.
 ///
@@ -19,10 +20,37 @@ pub struct Model {
     pub torque_offset: f64,
     /// Largest drive torque either way, bias included, N m (N), above 0; none for no limit.
     pub torque_limit: Option<f64>,
+    /// Commands smaller than this give nothing, larger ones act less by this much, N m (N), not negative.
+    pub torque_deadband: f64,
     /// From command to acting torque, s, not negative; fractions of a sample are exact.
     pub torque_delay_s: f64,
+    /// First-order lag of the torque behind that delay, s, not negative.
+    pub torque_lag_s: f64,
     /// The electrorheological damper; none for a machine without one.
     pub er: Option<Er>,
+    /// Friction over the Coulomb level near standstill.
+    pub stribeck: Option<Stribeck>,
+    /// What friction has more of in the positive direction.
+    pub asymmetry: Asymmetry,
+    /// Dry friction as a bristle (Dahl) of this stiffness, N m/rad (N/m), above 0; none for true stiction. The bristle
+    /// stands for Coulomb friction only, the fluid still holds.
+    pub presliding_stiffness: Option<f64>,
+    /// Drag coefficient of w |w|, N m s2/rad2 (N s2/m2), not negative.
+    pub quadratic_drag: f64,
+    /// Cogging, one entry an order.
+    pub cogging: Vec<Harmonic>,
+    /// Unbalanced load.
+    pub gravity: Option<Gravity>,
+    /// Spring to position zero, N m/rad (N/m), not negative.
+    pub spring_stiffness: f64,
+    /// Load on a flexible shaft, with or without backlash.
+    pub shaft: Option<Shaft>,
+    /// Pushes from outside.
+    pub pulses: Vec<Pulse>,
+    /// Steady sine from outside.
+    pub vibration: Option<Vibration>,
+    /// What the position sensor adds.
+    pub sensor: SensorModel,
 }
 
 /// The damper: drag a E^2 + b E of the field that acts, equation (2) of the control specification without its c.
@@ -34,6 +62,16 @@ pub struct Er {
     pub b: f64,
     /// How the fluid follows the commanded field.
     pub response: FluidResponse,
+    /// The field acts as this times the field, 1, not negative.
+    pub field_gain: f64,
+    /// The torque is this times the law, 1, not negative.
+    pub scale: f64,
+    /// The torque is (1 + this times t) times the law, 1/s; never below zero.
+    pub drift_per_s: f64,
+    /// Below yield the fluid is a spring of this stiffness, N m/rad (N/m), above 0; none for a fluid that holds rigidly.
+    /// Only for [`FluidResponse::Field`]. Elastic up to the torque of the field, ideally plastic there: a field that
+    /// falls takes the surplus of the spring away.
+    pub preyield_stiffness: Option<f64>,
 }
 
 /// How the fluid follows the commanded field.
@@ -70,6 +108,9 @@ pub struct FieldResponse {
     pub fall_s: f64,
 }
 
+/// A slew limit beyond this is none: 3.5 kV/mm pass in 35 ns, and the formulas of a ramp would lose their digits.
+const FASTEST_SLEW_KV_MM_S: f64 = 1e8;
+
 impl FieldResponse {
     /// Dead time and one lag for both directions, s.
     pub fn new(dead_time_s: f64, lag_s: f64) -> Self {
@@ -80,7 +121,20 @@ impl FieldResponse {
 impl Er {
     /// A damper a E^2 + b E with dead time and lag of the field, s.
     pub fn new(a: f64, b: f64, dead_time_s: f64, lag_s: f64) -> Self {
-        Self { a, b, response: FluidResponse::Field(FieldResponse::new(dead_time_s, lag_s)) }
+        Self {
+            a,
+            b,
+            response: FluidResponse::Field(FieldResponse::new(dead_time_s, lag_s)),
+            field_gain: 1.0,
+            scale: 1.0,
+            drift_per_s: 0.0,
+            preyield_stiffness: None,
+        }
+    }
+
+    /// The a and b of the commanded field, with field gain and scale in them.
+    pub(crate) fn acting(&self) -> (f64, f64) {
+        (self.a * self.field_gain * self.field_gain * self.scale, self.b * self.field_gain * self.scale)
     }
 }
 
@@ -94,8 +148,21 @@ impl Model {
             torque_gain: 1.0,
             torque_offset: 0.0,
             torque_limit: None,
+            torque_deadband: 0.0,
             torque_delay_s: 0.0,
+            torque_lag_s: 0.0,
             er: None,
+            stribeck: None,
+            asymmetry: Asymmetry::default(),
+            presliding_stiffness: None,
+            quadratic_drag: 0.0,
+            cogging: Vec::new(),
+            gravity: None,
+            spring_stiffness: 0.0,
+            shaft: None,
+            pulses: Vec::new(),
+            vibration: None,
+            sensor: SensorModel::default(),
         }
     }
 
@@ -116,14 +183,20 @@ impl Model {
     /// [`Error::Parameter`] names the key, the value and what is allowed.
     pub fn validate(&self) -> Result<(), Error> {
         positive("inertia", self.inertia)?;
-        not_negative("coulomb", self.coulomb)?;
-        not_negative("viscous", self.viscous)?;
         positive("torque_gain", self.torque_gain)?;
         finite("torque_offset", self.torque_offset)?;
         if let Some(limit) = self.torque_limit {
             positive("torque_limit", limit)?;
         }
+        not_negative("torque_deadband", self.torque_deadband)?;
         not_negative("torque_delay_s", self.torque_delay_s)?;
+        not_negative("torque_lag_s", self.torque_lag_s)?;
+        friction::validate(self)?;
+        position::validate(self)?;
+        self.shaft.as_ref().map_or(Ok(()), Shaft::validate)?;
+        self.pulses.iter().try_for_each(Pulse::validate)?;
+        self.vibration.as_ref().map_or(Ok(()), Vibration::validate)?;
+        self.sensor.validate()?;
         self.er.as_ref().map_or(Ok(()), Er::validate)
     }
 }
@@ -132,12 +205,27 @@ impl Er {
     fn validate(&self) -> Result<(), Error> {
         not_negative("er.a", self.a)?;
         not_negative("er.b", self.b)?;
+        not_negative("er.field_gain", self.field_gain)?;
+        not_negative("er.scale", self.scale)?;
+        finite("er.drift_per_s", self.drift_per_s)?;
+        if let Some(stiffness) = self.preyield_stiffness {
+            let field = matches!(self.response, FluidResponse::Field(_));
+            check("er.preyield_stiffness", stiffness, field, "left out where the viscosity is delayed")?;
+            positive("er.preyield_stiffness", stiffness)?;
+        }
         match self.response {
             FluidResponse::Field(field) => {
                 not_negative("er.dead_time_s", field.dead_time_s)?;
                 not_negative("er.rise_s", field.rise_s)?;
                 not_negative("er.fall_s", field.fall_s)?;
-                field.slew_kv_mm_s.map_or(Ok(()), |slew| positive("er.slew_kv_mm_s", slew))
+                field.slew_kv_mm_s.map_or(Ok(()), |slew| {
+                    check(
+                        "er.slew_kv_mm_s",
+                        slew,
+                        slew > 0.0 && slew <= FASTEST_SLEW_KV_MM_S,
+                        "above 0 and at most 1e8",
+                    )
+                })
             }
             FluidResponse::ViscosityDeadTime { dead_time_s: time_s, torque_limit }
             | FluidResponse::ViscosityLag { lag_s: time_s, torque_limit } => {

@@ -35,7 +35,7 @@ impl Plant {
             return Err(Error::Time { previous_s: 0.0, t_s: start_s });
         }
         let actuation = Actuation::new(model, &Command::default(), start_s);
-        Ok(Self { actuation, mechanics, state, last: None })
+        Ok(Self { actuation, mechanics, state: state.with_motion(), last: None })
     }
 
     /// Holds `command` from now until `until_s` and moves there.
@@ -63,9 +63,15 @@ impl Plant {
         &self.state
     }
 
+    /// The position with the eccentricity of the sensor, rad (m): what a [`crate::sensor::Sampler`] measures. Latency is
+    /// added by a [`crate::sensor::LatencyLine`].
+    pub fn position_at_sensor(&self) -> f64 {
+        self.mechanics.sensor().distorted(self.state.position)
+    }
+
     /// Puts the mechanics elsewhere; commands under way stay under way.
     pub fn set_state(&mut self, state: State) {
-        self.state = state;
+        self.state = state.with_motion();
     }
 
     /// Now, s.

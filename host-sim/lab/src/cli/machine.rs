@@ -8,9 +8,6 @@ use crate::Error;
 use crate::read::{AxisKind, Machine};
 use crate::simulate::nominal;
 
-/// Highest field, kV/mm, whose torque the viscosity models may reach.
-const FIELD_CEILING_KV_MM: f64 = 3.5;
-
 /// How the fluid follows its command (control.md section 5).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 pub enum Fluid {
@@ -62,7 +59,7 @@ impl MachineArgs {
         };
         if let Some(fluid) = self.fluid {
             let (a, b) = model.er.as_ref().map_or((0.0704, 0.470), |er| (er.a, er.b));
-            model.er = Some(Er { a, b, response: self.response(fluid, a, b)? });
+            model.er = Some(Er { response: self.response(fluid)?, ..Er::new(a, b, 0.0, 0.0) });
         }
         if let Some(delay_ms) = self.drive_delay_ms {
             model.torque_delay_s = delay_ms * 1e-3;
@@ -70,9 +67,10 @@ impl MachineArgs {
         Ok((model, config))
     }
 
-    fn response(&self, fluid: Fluid, a: f64, b: f64) -> Result<FluidResponse, Error> {
+    fn response(&self, fluid: Fluid) -> Result<FluidResponse, Error> {
         let (dead_time_s, lag_s) = (self.dead_time_ms * 1e-3, self.lag_ms * 1e-3);
-        let torque_limit = (a * FIELD_CEILING_KV_MM + b) * FIELD_CEILING_KV_MM;
+        // The paper's viscosity models know no largest torque, and its figures are made with them.
+        let torque_limit = f64::INFINITY;
         match fluid {
             Fluid::None if dead_time_s != 0.0 || lag_s != 0.0 => {
                 Err(Error::Usage("--fluid none has no delay; choose e or q for --dead-time-ms and --lag-ms".to_owned()))

@@ -9,7 +9,7 @@ use crate::replay::replay;
 /// Flags of `replay`.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// Machine file whose [controller] ran; without one, the law's defaults.
+    /// Machine file whose section `controller` ran; without one, the law's defaults.
     #[arg(long, value_name = "FILE")]
     machine: Option<PathBuf>,
     /// Recordings, CSV or Parquet.

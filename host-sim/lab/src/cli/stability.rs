@@ -10,10 +10,11 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 use er_servo::Config;
 
-use crate::Error;
+use crate::read::Machine;
 use crate::stability::analysis::{Setting, analyse};
 use crate::stability::region::Window;
-use crate::stability::{Fluid, Loop, LoopError, NormalisedGains, Plant};
+use crate::stability::{Fluid, Gains, Loop, LoopError, NormalisedGains, Plant};
+use crate::{Error, output};
 
 /// Delay model of the fluid.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -29,7 +30,7 @@ pub enum Model {
 /// Flags of `servo-lab stability`.
 #[derive(Debug, Args)]
 pub struct StabilityArgs {
-    /// Delay L of the motor system, ms [default: 5]
+    /// Delay L of the motor system, ms [default: 5, or the machine's]
     #[arg(long, value_name = "MS")]
     delay_ms: Option<f64>,
     /// Delay the normalised gains are scaled with, ms [default: that of the motor system]
@@ -47,15 +48,18 @@ pub struct StabilityArgs {
     /// Dead time L_Q or time constant T_Q of the fluid, ms
     #[arg(long, value_name = "MS", default_value_t = 5.0)]
     field_delay_ms: f64,
-    /// Normalised gain K_p* = K_P L^2 / J [default: 0.08]
-    #[arg(long)]
+    /// Normalised gain K_p* = K_P L^2 / J [default: 0.08, or the machine's controller]
+    #[arg(long, allow_hyphen_values = true)]
     kp: Option<f64>,
-    /// Normalised gain K_d* = K_D L / J [default: 0.464]
-    #[arg(long)]
+    /// Normalised gain K_d* = K_D L / J [default: 0.464, or the machine's controller]
+    #[arg(long, allow_hyphen_values = true)]
     kd: Option<f64>,
-    /// Inertia, kg m2 [default: 0.075]
+    /// Inertia, kg m2 [default: 0.075, or the machine's]
     #[arg(long, value_name = "KG_M2")]
     inertia: Option<f64>,
+    /// Take inertia, delay, friction and gains from this machine file; flags given go before it
+    #[arg(long, value_name = "FILE")]
+    machine: Option<PathBuf>,
     /// Write the whole answer as JSON; - for standard output
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
@@ -73,13 +77,13 @@ pub fn run(args: &StabilityArgs) -> Result<(), Error> {
     let (analysis, regions) = analyse(&closed, &setting).map_err(usage)?;
     if let Some(file) = &args.plot {
         let figure = figure::draw(&analysis, &regions).map_err(|reason| cannot_write(file, reason))?;
-        write(file, figure.as_bytes())?;
+        output::write(file, |to| to.write_all(figure.as_bytes()))?;
     }
     let json = args.json.as_deref().map(|file| (file, file == Path::new("-")));
     if let Some((file, to_stdout)) = json {
         let mut text = serde_json::to_string_pretty(&analysis).map_err(|reason| cannot_write(file, reason))?;
         text.push('\n');
-        if to_stdout { print(&text)? } else { write(file, text.as_bytes())? }
+        if to_stdout { print(&text)? } else { output::write(file, |to| to.write_all(text.as_bytes()))? }
     }
     if json.is_none_or(|(_, to_stdout)| !to_stdout) {
         print(&text::summary(&analysis))?;
@@ -89,10 +93,12 @@ pub fn run(args: &StabilityArgs) -> Result<(), Error> {
 
 /// The loop and the setting the flags describe.
 fn case(args: &StabilityArgs) -> Result<(Loop, Setting), Error> {
-    let control = Config::default();
+    let machine = args.machine.as_deref().map(Machine::read).transpose()?;
+    let nominal = machine.as_ref().map(|machine| &machine.plant);
+    let controller = machine.as_ref().and_then(|machine| machine.controller);
     let seconds = |ms: f64| ms * 1e-3;
-    let torque_delay_s = args.delay_ms.map_or(DELAY_S, seconds);
-    let inertia_kg_m2 = args.inertia.unwrap_or(INERTIA_KG_M2);
+    let torque_delay_s = args.delay_ms.map_or_else(|| nominal.map_or(DELAY_S, |p| p.torque_delay_s), seconds);
+    let inertia_kg_m2 = args.inertia.unwrap_or_else(|| nominal.map_or(INERTIA_KG_M2, |p| p.inertia));
     let field_delay_s = seconds(args.field_delay_ms);
     let fluid = match args.model {
         Model::None => Fluid::None,
@@ -100,14 +106,23 @@ fn case(args: &StabilityArgs) -> Result<(Loop, Setting), Error> {
         Model::Lag => Fluid::Lag { t_q_s: field_delay_s },
     };
     let plant = Plant { inertia_kg_m2, torque_delay_s, q0_nm_s_rad: args.q0, q1_nm_s_rad: args.q1, fluid };
-    let normalised = NormalisedGains {
-        kp: args.kp.unwrap_or(NormalisedGains::PAPER.kp),
-        kd: args.kd.unwrap_or(NormalisedGains::PAPER.kd),
-    };
-    let gains = normalised.physical(inertia_kg_m2, args.gains_delay_ms.map_or(torque_delay_s, seconds));
-    let closed = Loop::new(plant, gains).map_err(usage)?;
-    let coulomb_nm = f64::from(control.er_c_nm);
+    let closed = Loop::new(plant, gains(args, &plant, controller.as_ref())).map_err(usage)?;
+    let control = controller.unwrap_or_default();
+    let coulomb_nm = nominal.map_or(f64::from(control.er_c_nm), |p| p.coulomb);
     Ok((closed, Setting { window: Window::SPECIFIED, field_delay_s, coulomb_nm, control }))
+}
+
+/// Gains in N m: a flag, else the machine's controller, else the paper's point; numbers are scaled with the plant.
+fn gains(args: &StabilityArgs, plant: &Plant, controller: Option<&Config>) -> Gains {
+    let delay_s = args.gains_delay_ms.map_or(plant.torque_delay_s, |ms| ms * 1e-3);
+    let NormalisedGains { kp, kd } = NormalisedGains::PAPER;
+    let flags = NormalisedGains { kp: args.kp.unwrap_or(kp), kd: args.kd.unwrap_or(kd) };
+    let scaled = flags.physical(plant.inertia_kg_m2, delay_s);
+    let Some(controller) = controller else { return scaled };
+    Gains {
+        k_p_nm_rad: if args.kp.is_some() { scaled.k_p_nm_rad } else { f64::from(controller.kp_nm_rad) },
+        k_d_nm_s_rad: if args.kd.is_some() { scaled.k_d_nm_s_rad } else { f64::from(controller.kd_nm_s_rad) },
+    }
 }
 
 /// L of the specification, s.
@@ -131,14 +146,4 @@ fn print(text: &str) -> Result<(), Error> {
         }
         _ => Ok(()),
     }
-}
-
-/// Writes beside the file and renames, so that the file there before stays whole if anything fails.
-fn write(file: &Path, bytes: &[u8]) -> Result<(), Error> {
-    let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let written = tempfile::NamedTempFile::new_in(folder).and_then(|mut temporary| {
-        temporary.write_all(bytes)?;
-        temporary.persist(file).map_err(|failed| failed.error)
-    });
-    written.map(|_| ()).map_err(|reason| cannot_write(file, reason))
 }

@@ -42,3 +42,8 @@ fn value(section: &Section<'_, '_>, pair: &Pair, parameter: &Parameter) -> Resul
         }
     }
 }
+
+/// Every key of the section with the value it has in `config`.
+pub(super) fn controller_pairs(config: &er_servo::Config) -> Vec<(&'static str, Setting)> {
+    vec![("kp_nm_rad", Setting::Number(config.kp_nm_rad.into()))]
+}

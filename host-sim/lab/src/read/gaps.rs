@@ -97,8 +97,8 @@ mod tests {
 
     #[test]
     fn short_recordings_have_no_gap_for_want_of_neighbours() {
-        assert_eq!(find(&[], None), []);
-        assert_eq!(find(&[1.0], None), []);
-        assert_eq!(find(&[1.0, 5.0], None), []);
+        assert_eq!(find(&[], None), Vec::<usize>::new());
+        assert_eq!(find(&[1.0], None), Vec::<usize>::new());
+        assert_eq!(find(&[1.0, 5.0], None), Vec::<usize>::new());
     }
 }

@@ -6,7 +6,9 @@ mod csv_file;
 mod gaps;
 mod machine;
 mod machine_file;
+mod machine_toml;
 mod nearest;
+mod parquet_file;
 mod recording;
 mod toml_section;
 mod values;
@@ -14,4 +16,4 @@ pub mod vocabulary;
 
 pub use columns::Column;
 pub use machine::{Axis, AxisKind, EffectEntry, ErNominal, Machine, PlantNominal};
-pub use recording::{Mode, Recording};
+pub use recording::{Cells, Mode, Recording};

@@ -1,12 +1,15 @@
 //! One recording, as columns.
 
 use std::ffi::OsStr;
+use std::io::Cursor;
 use std::path::Path;
+
+use bytes::Bytes;
 
 use super::columns::Header;
 use super::nearest::misspelt;
 use super::values::Values;
-use super::{AxisKind, Column, csv_file, gaps};
+use super::{AxisKind, Column, csv_file, gaps, parquet_file};
 use crate::Error;
 
 /// What the controller commanded of the damper.
@@ -77,7 +80,54 @@ pub struct Recording {
     pub extra: Vec<(String, Vec<String>)>,
 }
 
+/// The cells of one column, as [`Recording::columns`] lists them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Cells<'a> {
+    /// Finite numbers in the unit of the column's name.
+    Real(&'a [f64]),
+    /// Column `mode`.
+    Mode(&'a [Mode]),
+    /// Column `seq`.
+    Seq(&'a [u64]),
+    /// Column `fault`.
+    Fault(&'a [u32]),
+    /// Column `counts`.
+    Counts(&'a [i64]),
+    /// A column the format does not know.
+    Text(&'a [String]),
+}
+
 impl Recording {
+    /// Every column there is with its name on this axis: those of the format in the order of [`Column::ALL`], then the
+    /// rest.
+    pub fn columns(&self) -> Vec<(&str, Cells<'_>)> {
+        let known = Column::ALL.into_iter().filter_map(|column| Some((column.name(self.axis), self.column(column)?)));
+        let extra = self.extra.iter().map(|(name, cells)| (name.as_str(), Cells::Text(cells)));
+        known.chain(extra).collect()
+    }
+
+    /// The cells of one column of the format; none where the recording has no such column.
+    pub fn column(&self, column: Column) -> Option<Cells<'_>> {
+        fn real(values: &Option<Vec<f64>>) -> Option<Cells<'_>> {
+            values.as_deref().map(Cells::Real)
+        }
+        match column {
+            Column::Time => Some(Cells::Real(&self.t_s)),
+            Column::Position => Some(Cells::Real(&self.position)),
+            Column::EffortCmd => Some(Cells::Real(&self.effort_cmd)),
+            Column::Reference => real(&self.reference),
+            Column::FieldCmd => real(&self.field_cmd_kv_mm),
+            Column::Velocity => real(&self.velocity),
+            Column::EffortMeas => real(&self.effort_meas),
+            Column::FieldMeas => real(&self.field_meas_kv_mm),
+            Column::Temperature => real(&self.temperature_c),
+            Column::Mode => self.mode.as_deref().map(Cells::Mode),
+            Column::Seq => self.seq.as_deref().map(Cells::Seq),
+            Column::Fault => self.fault.as_deref().map(Cells::Fault),
+            Column::Counts => self.counts.as_deref().map(Cells::Counts),
+        }
+    }
+
     /// Reads the recording in `file`, by its extension: `.csv`, or `.parquet` with the same columns.
     ///
     /// `expected` is the axis of the machine the recording is of; without one the axis follows the units of the columns.
@@ -90,8 +140,27 @@ impl Recording {
         let extension = file.extension().and_then(OsStr::to_str).map(str::to_ascii_lowercase);
         match extension.as_deref() {
             Some("csv") => csv_file::read(file, expected),
+            Some("parquet") => parquet_file::read(file, expected),
             _ => Err(Error::input(file, None, "", "is not a recording by its name: .csv or .parquet")),
         }
+    }
+
+    /// Reads a recording from the bytes of a CSV file; `file` names it in messages.
+    ///
+    /// # Errors
+    ///
+    /// As [`Recording::read`].
+    pub fn from_csv_bytes(file: &Path, bytes: &[u8], expected: Option<AxisKind>) -> Result<Self, Error> {
+        csv_file::read_from(file, Cursor::new(bytes), expected)
+    }
+
+    /// Reads a recording from the bytes of a Parquet file; `file` names it in messages.
+    ///
+    /// # Errors
+    ///
+    /// As [`Recording::read`].
+    pub fn from_parquet_bytes(file: &Path, bytes: &[u8], expected: Option<AxisKind>) -> Result<Self, Error> {
+        parquet_file::read_from(file, Bytes::copy_from_slice(bytes), expected)
     }
 
     /// Number of rows, at least one.

@@ -29,15 +29,34 @@ impl Values {
 
     /// Parses one cell and appends it; the message says what is wrong and what is allowed.
     pub(crate) fn push(&mut self, cell: &str) -> Result<(), String> {
-        let cell = cell.trim();
+        let text = cell;
+        let cell = text.trim();
         match self {
-            Self::Text(values) => values.push(cell.to_owned()),
+            Self::Text(values) => values.push(text.to_owned()),
             _ if cell.is_empty() => return Err("the cell is empty".to_owned()),
             Self::Real(values) => values.push(real(cell)?),
             Self::Mode(values) => values.push(mode(cell)?),
             Self::Seq(values) => values.push(whole(cell)?),
             Self::Fault(values) => values.push(whole(cell)?),
             Self::Counts(values) => values.push(whole(cell)?),
+        }
+        Ok(())
+    }
+
+    /// Appends one cell that has a type already.
+    pub(crate) fn push_cell(&mut self, cell: Cell) -> Result<(), String> {
+        match (self, cell) {
+            (Self::Text(values), cell) => values.push(cell.into_text()),
+            (Self::Real(values), Cell::Real(value)) => values.push(finite(value)?),
+            // Counts beyond 2^53 lose their last bits, as they do where a CSV writes them as a real number.
+            (Self::Real(values), Cell::Whole(value)) => values.push(value as f64),
+            (Self::Mode(values), Cell::Text(word)) => values.push(mode(&word)?),
+            (Self::Seq(values), Cell::Whole(value)) => values.push(narrow(value)?),
+            (Self::Fault(values), Cell::Whole(value)) => values.push(narrow(value)?),
+            (Self::Counts(values), Cell::Whole(value)) => values.push(narrow(value)?),
+            (Self::Real(_), Cell::Text(text)) => return Err(format!("{} is text, not a number", quoted(&text))),
+            (Self::Mode(_), cell) => return mode(&cell.into_text()).map(drop),
+            (_, cell) => return Err(not_whole(&cell.into_text(), None)),
         }
         Ok(())
     }
@@ -56,12 +75,31 @@ impl Values {
     }
 }
 
+/// A cell of a file that has types.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum Cell {
+    Real(f64),
+    /// Wide enough for signed and unsigned 64 bits.
+    Whole(i128),
+    Text(String),
+}
+
+impl Cell {
+    fn into_text(self) -> String {
+        match self {
+            Self::Real(value) => format!("{value:?}"),
+            Self::Whole(value) => value.to_string(),
+            Self::Text(text) => text,
+        }
+    }
+}
+
 /// The number, if it is one a measurement can be.
-pub(crate) fn finite(value: f64) -> Result<f64, String> {
+fn finite(value: f64) -> Result<f64, String> {
     if value.is_finite() { Ok(value) } else { Err(format!("{value} is not a finite number")) }
 }
 
-pub(crate) fn rises<T: PartialOrd + std::fmt::Display>(what: &str, before: T, last: T) -> Result<(), String> {
+fn rises<T: PartialOrd + std::fmt::Display>(what: &str, before: T, last: T) -> Result<(), String> {
     if last > before {
         Ok(())
     } else if last == before {
@@ -76,11 +114,19 @@ fn real(cell: &str) -> Result<f64, String> {
 }
 
 fn whole<T: std::str::FromStr>(cell: &str) -> Result<T, String> {
-    let bits = 8 * size_of::<T>();
-    cell.parse().map_err(|_| format!("{} is not a whole number of this column's {bits} bits", quoted(cell)))
+    cell.parse().map_err(|_| not_whole(cell, Some(size_of::<T>())))
 }
 
-pub(crate) fn mode(cell: &str) -> Result<Mode, String> {
+fn narrow<T: TryFrom<i128>>(value: i128) -> Result<T, String> {
+    T::try_from(value).map_err(|_| not_whole(&value.to_string(), Some(size_of::<T>())))
+}
+
+fn not_whole(cell: &str, bytes: Option<usize>) -> String {
+    let bits = bytes.map_or_else(String::new, |bytes| format!(" of this column's {} bits", 8 * bytes));
+    format!("{} is not a whole number{bits}", quoted(cell))
+}
+
+fn mode(cell: &str) -> Result<Mode, String> {
     Mode::ALL.into_iter().find(|mode| mode.name() == cell).ok_or_else(|| {
         let near = misspelt(cell, Mode::ALL.map(Mode::name));
         let hint = near.map_or_else(String::new, |word| format!("; is `{word}` meant?"));

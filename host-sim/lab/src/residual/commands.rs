@@ -16,7 +16,7 @@ pub fn recorded_commands(recording: &Recording) -> Vec<Command> {
             field_kv_mm: recording.field_cmd_kv_mm.as_ref().map_or(0.0, |field| field[row]),
             braking: recording.mode.as_ref().is_some_and(|mode| mode[row] == Mode::Brake),
             speed_estimate: speed[row],
-            external_torque: 0.0,
+            ..Command::default()
         })
         .collect()
 }

@@ -146,8 +146,7 @@ impl Fit<'_> {
             };
             let next = at + inverse * right;
             let next_cost = self.cost(next, t_s, measured, simulated)?;
-            // Negated so that a cost that is no number is refused.
-            if !(next_cost < cost) {
+            if next_cost.is_nan() || next_cost >= cost {
                 break;
             }
             (at, cost) = (next, next_cost);

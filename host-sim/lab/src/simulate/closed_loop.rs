@@ -4,10 +4,8 @@ use er_servo::{
     Config, Counts, InputFlags, Inputs, Mode as LawMode, MonitorCode, Outputs, Params, ResolverCode, ResolverSample,
     State, step,
 };
+use plant::sensor::{Sampler, SamplerConfig, TorqueNoise};
 use plant::{Command, Model, Plant};
-use rand::SeedableRng;
-use rand::rngs::StdRng;
-use rand_distr::{Distribution, Normal};
 
 use crate::Error;
 use crate::read::{AxisKind, Recording};
@@ -49,8 +47,9 @@ pub struct ClosedLoop {
     state: State,
     period_s: f64,
     disturbances: Vec<Disturbance>,
-    sensor_noise: Noise,
-    torque_noise: Noise,
+    sampler: Sampler,
+    /// None is no noise, and draws nothing.
+    torque_noise: Option<TorqueNoise>,
     /// Held by the high-voltage amplifier since the last tick.
     field_kv_mm: f32,
     tick: u32,
@@ -83,9 +82,17 @@ impl ClosedLoop {
             state: State::running_at(Counts(0)),
             period_s: f64::from(setup.config.period_s),
             disturbances: setup.disturbances.clone(),
-            sensor_noise: Noise::new(setup.sensor_noise_rad, setup.seed)?,
+            // The counts are the resolution.
+            sampler: Sampler::new(
+                SamplerConfig { noise_sd: setup.sensor_noise_rad, ..SamplerConfig::default() },
+                setup.seed,
+            )
+            .map_err(unusable)?,
             // A stream of its own, so that turning one noise off leaves the other as it was.
-            torque_noise: Noise::new(setup.torque_noise_nm, !setup.seed)?,
+            torque_noise: match setup.torque_noise_nm {
+                0.0 => None,
+                sd => Some(TorqueNoise::new(sd, !setup.seed).map_err(unusable)?),
+            },
             field_kv_mm: 0.0,
             tick: 0,
         })
@@ -98,7 +105,7 @@ impl ClosedLoop {
     pub fn tick(&mut self, reference: Counts) -> Result<Row, Error> {
         let t_s = f64::from(self.tick) * self.period_s;
         let truth = *self.plant.state();
-        let measured = Counts::from_rad(truth.position + self.sensor_noise.draw());
+        let measured = Counts::from_rad(self.sampler.measure(truth.position));
         let inputs = Inputs {
             resolver: ResolverSample {
                 code: ResolverCode((measured.0 & 0x0fff) as u16),
@@ -116,6 +123,7 @@ impl ClosedLoop {
             field_kv_mm: f64::from(outputs.field_kv_mm),
             braking: outputs.mode == LawMode::Brake,
             speed_estimate: f64::from(outputs.speed_rad_s),
+            viscosity: viscosity_nm_s_rad(&outputs),
             external_torque: self.external_torque_nm(t_s),
         };
         self.field_kv_mm = outputs.field_kv_mm;
@@ -129,30 +137,17 @@ impl ClosedLoop {
     fn external_torque_nm(&mut self, t_s: f64) -> f64 {
         let pushes = self.disturbances.iter();
         let pushes = pushes.filter(|push| t_s >= push.start_s && t_s < push.start_s + push.duration_s);
-        pushes.map(|push| push.torque_nm).sum::<f64>() + self.torque_noise.draw()
+        let pushes: f64 = pushes.map(|push| push.torque_nm).sum();
+        pushes + self.torque_noise.as_mut().map_or(0.0, TorqueNoise::draw)
     }
 }
 
-/// White normal noise from a seed.
-#[derive(Debug, Clone)]
-struct Noise {
-    distribution: Normal<f64>,
-    random: StdRng,
-}
-
-impl Noise {
-    fn new(deviation: f64, seed: u64) -> Result<Self, Error> {
-        let refuse = || Error::Usage(format!("a noise of {deviation} is not allowed, 0 or more is"));
-        if !(deviation.is_finite() && deviation >= 0.0) {
-            return Err(refuse());
-        }
-        let distribution = Normal::new(0.0, deviation).map_err(|_| refuse())?;
-        Ok(Self { distribution, random: StdRng::seed_from_u64(seed) })
-    }
-
-    fn draw(&mut self) -> f64 {
-        // Without noise nothing is drawn: the loop runs thousands of times real time.
-        if self.distribution.std_dev() > 0.0 { self.distribution.sample(&mut self.random) } else { 0.0 }
+/// The coefficient Q that the damper was asked for; none while it brakes, whose torque is not a viscosity.
+fn viscosity_nm_s_rad(outputs: &Outputs) -> Option<f64> {
+    match outputs.mode {
+        LawMode::Off => Some(0.0),
+        LawMode::Damper => Some(f64::from(er_servo::viscosity_nm_s_rad(outputs.speed_rad_s))),
+        LawMode::Brake => None,
     }
 }
 

@@ -1,6 +1,7 @@
 //! Everything `servo-lab stability` says about one loop.
 
 use er_servo::Config;
+use nalgebra::Complex;
 
 use super::case::{Fluid, Gains, Loop, LoopError, NormalisedGains, Plant};
 use super::describing::{ModelCycles, Search, cycles_by_model};
@@ -24,20 +25,23 @@ pub struct Methods {
     pub curves_unstable_roots: usize,
     /// Unstable roots by the argument principle; none with a root on the axis.
     pub argument_unstable_roots: Option<usize>,
-    /// Unstable ones of `rightmost_roots`.
-    pub spectrum_unstable_roots: usize,
+    /// Unstable roots of the Chebyshev discretisation; none where it does not resolve the loop.
+    pub spectrum_unstable_roots: Option<usize>,
     /// From the right.
     pub rightmost_roots: Vec<Root>,
-    /// Of one control period of the sampled loop; stable below 1.
-    pub sampled_spectral_radius: f64,
+    /// Of one control period of the sampled loop; stable below 1. None for delays of too many periods.
+    pub sampled_spectral_radius: Option<f64>,
     /// Its verdict. It may differ from the others near the boundary, being half a period later.
-    pub sampled_stable: bool,
+    pub sampled_stable: Option<bool>,
     /// Control period, s.
     pub sampled_period_s: f64,
     /// Whether the continuous loop with the sampled one's delays is stable; what `sampled_stable` is to be held against.
     pub held_equivalent_stable: bool,
-    /// The three continuous methods agree with each other, and the sampled one with its continuous equivalent.
+    /// Of those that answered, the continuous methods agree with each other, and the sampled one with its continuous
+    /// equivalent.
     pub agree: bool,
+    /// Why a method did not answer.
+    pub unanswered: Vec<String>,
 }
 
 /// A region of the plane of the gains.
@@ -133,25 +137,30 @@ pub fn analyse(closed: &Loop, setting: &Setting) -> Result<(Analysis, Vec<Region
     Ok((analysis, regions))
 }
 
+/// Every method's answer; only the curves and the argument principle answer for every checked loop.
 fn methods(closed: &Loop, period_s: f64) -> Result<Methods, LoopError> {
-    let roots = spectrum::rightmost_roots(closed)?;
+    let mut unanswered = Vec::new();
+    let mut unanswer = |error: LoopError| unanswered.push(error.to_string());
+    let roots = spectrum::rightmost_roots(closed).map_err(&mut unanswer).ok();
+    let sampled_spectral_radius = sampled::spectral_radius(closed, period_s).map_err(&mut unanswer).ok();
     let curves_unstable_roots = curves::unstable_roots(closed);
     let argument_unstable_roots = argument::unstable_roots(closed);
-    let spectrum_unstable_roots = spectrum::unstable_roots(&roots);
-    let sampled_spectral_radius = sampled::spectral_radius(closed, period_s)?;
-    let sampled_stable = sampled_spectral_radius < 1.0;
+    let spectrum_unstable_roots = roots.as_deref().map(spectrum::unstable_roots);
+    let sampled_stable = sampled_spectral_radius.map(|radius| radius < 1.0);
     let held_equivalent_stable = curves::is_inside(&sampled::held_equivalent(closed, period_s)?);
+    let root = |s: Complex<f64>| Root { re_per_s: s.re, im_rad_s: s.im };
     Ok(Methods {
         curves_unstable_roots,
         argument_unstable_roots,
         spectrum_unstable_roots,
-        rightmost_roots: roots.iter().map(|s| Root { re_per_s: s.re, im_rad_s: s.im }).collect(),
+        rightmost_roots: roots.into_iter().flatten().map(root).collect(),
         sampled_spectral_radius,
         sampled_stable,
         sampled_period_s: period_s,
         held_equivalent_stable,
         agree: argument_unstable_roots == Some(curves_unstable_roots)
-            && spectrum_unstable_roots == curves_unstable_roots
-            && sampled_stable == held_equivalent_stable,
+            && spectrum_unstable_roots.is_none_or(|count| count == curves_unstable_roots)
+            && sampled_stable.is_none_or(|stable| stable == held_equivalent_stable),
+        unanswered,
     })
 }

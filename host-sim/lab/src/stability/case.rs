@@ -126,6 +126,15 @@ pub enum LoopError {
     /// Time scales or gains so far apart that the work would not end.
     #[error("the loop is too stiff to analyse ({0}); check the units of the delays and of the inertia")]
     TooStiff(String),
+    /// The rightmost roots could not be told apart or resolved.
+    #[error(
+        "the rightmost roots are not resolved by {points} Chebyshev points: a multiple root, or delays far longer than \
+         the loop's own time scale"
+    )]
+    Unresolved {
+        /// Most points tried.
+        points: usize,
+    },
     /// The eigenvalue iteration did not converge.
     #[error("the eigenvalue iteration did not converge for a matrix of {size} rows")]
     NoConvergence {

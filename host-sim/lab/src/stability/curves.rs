@@ -53,40 +53,42 @@ pub fn is_inside(closed: &Loop) -> bool {
     closed.gains().k_p_nm_rad > 0.0 && unstable_roots(closed) == 0
 }
 
-/// Roots right of the imaginary axis for K_P above 0, by what the path (0, 0) -> (0, K_D) -> (K_P, K_D) crosses.
-/// A negative K_P has at least one on the real axis and is reported as that one.
+/// Roots right of the imaginary axis, by what the path (0, 0) -> (0, K_D) -> (K_P, K_D) crosses.
 #[must_use]
 pub fn unstable_roots(closed: &Loop) -> usize {
     let Gains { k_p_nm_rad: k_p, k_d_nm_s_rad: k_d } = closed.gains();
-    if k_p <= 0.0 {
-        return 1;
-    }
     let plant = closed.plant();
+    let viscosity = plant.q0_nm_s_rad + plant.q1_nm_s_rad;
     let scan = scan(plant, closed.frequency_bound_rad_s());
     let mut pairs = pairs_without_control(plant);
 
     // Along the axis, just right of it, where the free rotor's root at zero has gone left.
     for zero in zeros(|w| boundary(plant, w).k_p_nm_rad / (w * w), scan) {
         let at = boundary(plant, zero.omega_rad_s).k_d_nm_s_rad;
-        if 0.0 < at && at < k_d {
-            pairs += if zero.rising { -1 } else { 1 };
-        } else if k_d < at && at <= 0.0 {
-            pairs += if zero.rising { 1 } else { -1 };
-        }
+        pairs += passed(at, k_d) * if zero.rising { -1 } else { 1 };
     }
     // The curve starts on the axis, at K_D = -(Q0 + Q1); it is in the way if it leaves to the right.
     let starts_right = boundary(plant, scan.from_rad_s).k_p_nm_rad > 0.0;
-    if starts_right && k_d < -(plant.q0_nm_s_rad + plant.q1_nm_s_rad) {
+    if starts_right && k_d < -viscosity {
         pairs += 1;
     }
     // From the axis to the point.
     for zero in zeros(|w| boundary(plant, w).k_d_nm_s_rad - k_d, scan) {
         let at = boundary(plant, zero.omega_rad_s).k_p_nm_rad;
-        if 0.0 < at && at < k_p {
-            pairs += if zero.rising { 1 } else { -1 };
-        }
+        pairs += passed(at, k_p) * if zero.rising { 1 } else { -1 };
     }
-    usize::try_from(2 * pairs).unwrap_or(0)
+    // Below the axis the root at zero, -K_P / (Q0 + Q1 + K_D), has come to the other side.
+    let real = match (k_p < 0.0, k_d > -viscosity) {
+        (false, _) => 0,
+        (true, true) => 1,
+        (true, false) => -1,
+    };
+    usize::try_from(2 * pairs + real).unwrap_or(0)
+}
+
+/// 1 if a path from just above 0 to `to` passes `at` upwards, -1 if downwards, 0 if not.
+fn passed(at: f64, to: f64) -> i64 {
+    i64::from(0.0 < at && at < to) - i64::from(to < at && at <= 0.0)
 }
 
 /// Pairs right of the axis of J s + Q(s), the rotor with its damper alone. Only a dead time can do it: roots pass
@@ -109,6 +111,8 @@ fn pairs_without_control(plant: &Plant) -> i64 {
 mod tests {
     #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
     use super::*;
+    use crate::stability::argument;
+    use crate::stability::case::NormalisedGains;
     use crate::stability::testing::{closed, plant};
     use nalgebra::Complex;
 
@@ -140,5 +144,18 @@ mod tests {
         let with = |k_d| Loop::new(plant, Gains { k_p_nm_rad: 50.0, k_d_nm_s_rad: k_d }).unwrap();
         assert!(is_inside(&with(-5.0)));
         assert_eq!(unstable_roots(&with(-15.0)), 2);
+    }
+
+    #[test]
+    fn all_four_quadrants_are_counted_as_the_argument_principle_counts() {
+        for fluid in [Fluid::None, Fluid::DeadTime { l_q_s: 0.007 }, Fluid::Lag { t_q_s: 0.007 }] {
+            let plant = Plant { fluid, ..plant(0.004, 0.3, 22.0) };
+            for (i, k) in (-20..20).flat_map(|i| (-20..20).map(move |k| (i, k))) {
+                let (kp, kd) = (0.21 * (f64::from(i) + 0.4), 0.23 * (f64::from(k) + 0.3));
+                let gains = NormalisedGains { kp, kd }.physical(plant.inertia_kg_m2, plant.torque_delay_s);
+                let closed = Loop::new(plant, gains).unwrap();
+                assert_eq!(Some(unstable_roots(&closed)), argument::unstable_roots(&closed), "{closed:?}");
+            }
+        }
     }
 }

@@ -95,7 +95,7 @@ pub struct Tolerance {
     /// As it is, in its unit.
     pub nominal: f64,
     /// Nearest loss below; none if there is none down to a thousandth, or, for a delay, to zero. At K_P = 0 itself the
-    /// rotor has no rest position; that is not counted.
+    /// rotor has no rest position; that is not counted. Very fast loops are searched less far ([`LoopError::TooStiff`]).
     pub lower: Option<Limit>,
     /// Nearest loss above; none if there is none up to a thousand times the nominal value (of a fluid without delay,
     /// of the torque's delay).
@@ -146,13 +146,16 @@ pub fn tolerances(closed: &Loop) -> Vec<Tolerance> {
 pub fn tolerance(closed: &Loop, quantity: Quantity) -> Tolerance {
     let nominal = quantity.of(closed);
     let limit = |(value, omega_rad_s): (f64, f64)| Limit { value, factor: value / nominal, omega_rad_s };
+    let whole = matches!(quantity, Quantity::TorqueDelay | Quantity::FluidDelay);
     let (mut lower, mut upper) = (None, None);
     // The band in which a root can be on the axis grows with the range searched, so a near limit is cheap.
     for range in [1.5, 8.0, 60.0, LARGEST] {
-        let reach = [nominal / range, nominal * range].into_iter().filter_map(|v| quantity.set(closed, v).ok());
-        let to_rad_s = reach.map(|moved| moved.frequency_bound_rad_s()).fold(closed.frequency_bound_rad_s(), f64::max);
-        // Delays bound nothing: all their values are found at once.
-        let whole = matches!(quantity, Quantity::TorqueDelay | Quantity::FluidDelay);
+        // Delays do not count in it: all their values are found at once.
+        let ends = if whole { vec![nominal] } else { vec![nominal / range, nominal * range] };
+        let moved: Result<Vec<Loop>, LoopError> = ends.into_iter().map(|v| quantity.set(closed, v)).collect();
+        // Further out the loop is beyond what is analysed.
+        let Ok(moved) = moved else { break };
+        let to_rad_s = moved.iter().map(Loop::frequency_bound_rad_s).fold(closed.frequency_bound_rad_s(), f64::max);
         let (least, most) = match (whole, nominal > 0.0) {
             (false, _) => (nominal / range, nominal * range),
             (true, true) => (0.0, nominal * LARGEST),

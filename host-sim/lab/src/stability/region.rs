@@ -37,7 +37,7 @@ impl Region {
     /// Area, in units of K_p* K_d*.
     #[must_use]
     pub fn area(&self) -> f64 {
-        self.outlines.iter().map(|outline| edges(outline).map(|(a, b)| 0.5 * cross(a, b)).sum::<f64>()).sum()
+        self.outlines.iter().flat_map(|outline| edges(outline)).fold(0.0, |area, (a, b)| area + 0.5 * cross(a, b))
     }
 
     /// Whether a point is inside: how often the outlines wind around it.
@@ -72,6 +72,10 @@ struct Piece {
 
 /// Phase of the fastest term from one point of the drawn curve to the next, rad.
 const PHASE_STEP_RAD: f64 = 0.004;
+/// Points of the longest curve that is cut into a region; three hundred turns or so.
+const MAX_POINTS: f64 = 5e5;
+/// Most crossings of the curve with itself that are looked into.
+const MAX_CROSSINGS: usize = 1000;
 /// Distance at which the faces beside a piece are asked for their roots, as a share of the window; a chord of the curve
 /// is within a tenth of it.
 const ASIDE: f64 = 5e-5;
@@ -106,6 +110,10 @@ fn curve(plant: &Plant, window: Window) -> Result<Vec<Point>, LoopError> {
     let corner = normalised(window.kp, window.kd).physical(plant.inertia_kg_m2, plant.torque_delay_s);
     let to_rad_s = Loop::new(*plant, corner)?.frequency_bound_rad_s();
     let step_rad_s = PHASE_STEP_RAD / (plant.torque_delay_s + plant.fluid.delay_s());
+    if to_rad_s / step_rad_s > MAX_POINTS {
+        let turns = to_rad_s / step_rad_s * PHASE_STEP_RAD / std::f64::consts::TAU;
+        return Err(LoopError::TooStiff(format!("the boundary curve turns {turns:.0} times within the window")));
+    }
     let scan = Scan { from_rad_s: 1e-3 * step_rad_s, to_rad_s, step_rad_s };
     Ok(scan.frequencies().map(|w| point(plant, curves::boundary(plant, w))).collect())
 }
@@ -130,7 +138,7 @@ fn pieces(plant: &Plant, window: Window) -> Result<Vec<Piece>, LoopError> {
         }
     }
     let (edge, curve): (Vec<_>, Vec<_>) = lines.into_iter().partition(|line| line.edge);
-    let mut pieces = cut_at_crossings(curve.into_iter().map(|line| line.points).collect());
+    let mut pieces = cut_at_crossings(curve.into_iter().map(|line| line.points).collect())?;
     pieces.extend(edge);
     pieces.retain(|piece| piece.points.len() > 1 && piece.points.first() != piece.points.last());
     Ok(pieces)
@@ -142,7 +150,7 @@ fn on_edge(p: Point, a: Point, b: Point) -> bool {
 }
 
 /// Cuts lines wherever two of their segments cross, themselves included.
-fn cut_at_crossings(lines: Vec<Vec<Point>>) -> Vec<Piece> {
+fn cut_at_crossings(lines: Vec<Vec<Point>>) -> Result<Vec<Piece>, LoopError> {
     let mut segments: Vec<(usize, usize)> =
         lines.iter().enumerate().flat_map(|(line, points)| (1..points.len()).map(move |k| (line, k))).collect();
     let ends = |(line, k): (usize, usize)| (lines[line][k - 1], lines[line][k]);
@@ -151,7 +159,12 @@ fn cut_at_crossings(lines: Vec<Vec<Point>>) -> Vec<Piece> {
     // By their left ends, so that only segments side by side are compared.
     segments.sort_by(|&p, &q| left(p).total_cmp(&left(q)));
     let mut cuts: Vec<Vec<(usize, f64, Point)>> = vec![Vec::new(); lines.len()];
+    let mut crossings = 0;
     for (n, &one) in segments.iter().enumerate() {
+        if crossings > MAX_CROSSINGS {
+            let message = format!("the boundary curve crosses itself more than {MAX_CROSSINGS} times in the window");
+            return Err(LoopError::TooStiff(message));
+        }
         for &other in segments[n + 1..].iter().take_while(|&&other| left(other) <= right(one)) {
             if one.0 == other.0 && one.1.abs_diff(other.1) == 1 {
                 continue;
@@ -159,6 +172,7 @@ fn cut_at_crossings(lines: Vec<Vec<Point>>) -> Vec<Piece> {
             if let Some((s, t, at)) = crossing(ends(one), ends(other)) {
                 cuts[one.0].push((one.1, s, at));
                 cuts[other.0].push((other.1, t, at));
+                crossings += 1;
             }
         }
     }
@@ -176,7 +190,7 @@ fn cut_at_crossings(lines: Vec<Vec<Point>>) -> Vec<Piece> {
         piece.extend_from_slice(&points[from..]);
         pieces.push(Piece { points: piece, edge: false });
     }
-    pieces
+    Ok(pieces)
 }
 
 /// Where two segments cross: the share of each, and the point.
@@ -192,10 +206,16 @@ fn crossing((a, b): (Point, Point), (c, d): (Point, Point)) -> Option<(f64, f64,
     ((0.0..1.0).contains(&s) && (0.0..1.0).contains(&t)).then(|| (s, t, [a[0] + s * ab[0], a[1] + s * ab[1]]))
 }
 
-/// Whether the faces left and right of a piece are stable, seen from the middle of its longest segment.
+/// Whether the faces left and right of a piece are stable, seen from half way along it, clear of the cuts at its ends.
 fn beside(plant: &Plant, window: Window, piece: &Piece) -> Result<(bool, bool), LoopError> {
-    let longest = piece.points.windows(2).max_by(|p, q| length(p[0], p[1]).total_cmp(&length(q[0], q[1])));
-    let Some(&[a, b]) = longest else { return Ok((false, false)) };
+    let segments = || piece.points.windows(2).map(|p| (p[0], p[1]));
+    let half = 0.5 * segments().map(|(a, b)| length(a, b)).sum::<f64>();
+    let mut walked = 0.0;
+    let reaches_half = |&(a, b): &(Point, Point)| {
+        walked += length(a, b);
+        walked >= half && a != b
+    };
+    let Some((a, b)) = segments().find(reaches_half) else { return Ok((false, false)) };
     let middle = [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])];
     // Measured in windows, or a wide one would see nothing of its other direction.
     let along = [(b[0] - a[0]) / window.kp, (b[1] - a[1]) / window.kd];
@@ -317,6 +337,13 @@ mod tests {
             assert!((region.area() / stated - 1.0).abs() < 0.02, "{fluid:?}: {}", region.area());
             assert!(!region.leaves_window() && region.contains(NormalisedGains::PAPER));
         }
+    }
+
+    #[test]
+    fn a_slow_lag_beside_a_short_delay_keeps_its_region() {
+        let plant = Plant { fluid: Fluid::Lag { t_q_s: 0.05 }, ..plant(1e-4, 0.2, 10.0) };
+        let area = stable_region(&plant, Window::SPECIFIED).unwrap().area();
+        assert!((area - 0.578).abs() < 1e-3, "{area}");
     }
 
     #[test]

@@ -16,13 +16,13 @@ use super::spectrum::eigenvalues;
 /// The control period, s (section 1 of the specification).
 pub const PERIOD_S: f64 = 0.5e-3;
 
-/// Rows of the largest matrix accepted; 0.2 s of delay.
-const MAX_ROWS: usize = 400;
+/// Control periods of the longest delay accepted; 0.3 s.
+const MAX_TICKS: usize = 600;
 
 /// Spectral radius of one control period of `period_s`; the loop is stable below 1.
 ///
 /// # Errors
-/// [`LoopError::TooStiff`] if the delays have more ticks than the matrix may have rows, [`LoopError::NoConvergence`] if
+/// [`LoopError::TooStiff`] if the delays have too many ticks, [`LoopError::NoConvergence`] if
 /// its eigenvalues cannot be found.
 pub fn spectral_radius(closed: &Loop, period_s: f64) -> Result<f64, LoopError> {
     let matrix = transition(closed, period_s)?;
@@ -47,10 +47,10 @@ pub fn held_equivalent(closed: &Loop, period_s: f64) -> Result<Loop, LoopError> 
 fn ticks(delay_s: f64, period_s: f64) -> Result<usize, LoopError> {
     let ticks = (delay_s / period_s).round();
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, clippy::cast_precision_loss)]
-    if ticks < MAX_ROWS as f64 {
+    if ticks < MAX_TICKS as f64 {
         Ok(ticks as usize)
     } else {
-        Err(LoopError::TooStiff(format!("a delay of {ticks} control periods, {MAX_ROWS} allowed")))
+        Err(LoopError::TooStiff(format!("a delay of {ticks} control periods, {MAX_TICKS} allowed")))
     }
 }
 

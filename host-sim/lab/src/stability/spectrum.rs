@@ -21,8 +21,8 @@ const NEWTON_STEPS: usize = 30;
 /// The rightmost roots of the closed loop, rad/s, from the right; of a pair, both. At least one.
 ///
 /// # Errors
-/// [`LoopError::NoConvergence`] if the eigenvalues cannot be found, [`LoopError::TooStiff`] if the delays are so long
-/// for the loop that [`MAX_DEGREE`] points do not resolve its roots.
+/// [`LoopError::NoConvergence`] if the eigenvalues cannot be found, [`LoopError::Unresolved`] for a multiple root or
+/// delays so long for the loop that the points allowed do not resolve its roots.
 pub fn rightmost_roots(closed: &Loop) -> Result<Vec<Complex<f64>>, LoopError> {
     let span_s = history_s(closed);
     // An exponential that turns r rad over the span needs a degree above r / 2, then converges; a root that far out
@@ -36,7 +36,7 @@ pub fn rightmost_roots(closed: &Loop) -> Result<Vec<Complex<f64>>, LoopError> {
         }
         degree = degree * 3 / 2;
     }
-    Err(LoopError::TooStiff(format!("{degree} Chebyshev points needed, {MAX_DEGREE} allowed")))
+    Err(LoopError::Unresolved { points: MAX_DEGREE })
 }
 
 /// Roots with a real part above 0 among [`rightmost_roots`].

@@ -6,6 +6,7 @@
 mod channel;
 mod signal;
 
+use crate::effects::Pulse;
 use crate::{Command, FluidResponse, Model};
 use channel::{Channel, coincidence_s};
 pub use signal::Signal;
@@ -39,6 +40,7 @@ pub(crate) struct Actuation {
     field_or_q: Channel,
     brake: Channel,
     external_torque: f64,
+    pulses: Vec<Pulse>,
     now_s: f64,
 }
 
@@ -48,11 +50,13 @@ struct Drive {
     gain: f64,
     offset: f64,
     limit: f64,
+    deadband: f64,
 }
 
 impl Drive {
     fn torque(&self, command: f64) -> f64 {
-        (self.gain * command + self.offset).max(-self.limit).min(self.limit)
+        let beyond = (command.abs() - self.deadband).max(0.0).copysign(command);
+        (self.gain * beyond + self.offset).max(-self.limit).min(self.limit)
     }
 }
 
@@ -77,7 +81,8 @@ impl Fluid {
                 if command.braking {
                     (0.0, torque)
                 } else {
-                    (torque / command.speed_estimate.abs().max(LEAST_SPEED_ESTIMATE), 0.0)
+                    let recovered = torque / command.speed_estimate.abs().max(LEAST_SPEED_ESTIMATE);
+                    (command.viscosity.map_or(recovered, |viscosity| viscosity.max(0.0)), 0.0)
                 }
             }
         }
@@ -91,12 +96,16 @@ impl Actuation {
             gain: model.torque_gain,
             offset: model.torque_offset,
             limit: model.torque_limit.unwrap_or(f64::INFINITY),
+            deadband: model.torque_deadband,
         };
         let (fluid, response) = match &model.er {
             None => (Fluid::None, None),
             Some(er) => match er.response {
                 FluidResponse::Field(_) => (Fluid::Field, Some(er.response)),
-                _ => (Fluid::Viscosity { a: er.a, b: er.b }, Some(er.response)),
+                _ => {
+                    let (a, b) = er.acting();
+                    (Fluid::Viscosity { a, b }, Some(er.response))
+                }
             },
         };
         let (first, brake) = fluid.inputs(before);
@@ -112,10 +121,11 @@ impl Actuation {
         Self {
             drive,
             fluid,
-            torque: Channel::lagging(drive.torque(before.torque), model.torque_delay_s, 0.0),
+            torque: Channel::lagging(drive.torque(before.torque), model.torque_delay_s, model.torque_lag_s),
             field_or_q: channel(first),
             brake: channel(brake),
             external_torque: before.external_torque,
+            pulses: model.pulses.clone(),
             now_s: start_s,
         }
     }
@@ -145,12 +155,24 @@ impl Actuation {
             channel.update(start_s, same_s);
             end_s = end_s.min(channel.next_change_s(start_s));
         }
+        let mut external_torque = self.external_torque;
+        for pulse in &self.pulses {
+            let (on_s, off_s) = (pulse.start_s, pulse.end_s());
+            if on_s <= start_s + same_s && start_s + same_s < off_s {
+                external_torque += pulse.amplitude;
+            }
+            for change_s in [on_s, off_s] {
+                if change_s > start_s + same_s {
+                    end_s = end_s.min(change_s);
+                }
+            }
+        }
         end_s = if end_s >= until_s - same_s { until_s } else { end_s.max(start_s + same_s) };
         let segment = Segment {
             start_s,
             end_s,
             torque: self.torque.output(),
-            external_torque: self.external_torque,
+            external_torque,
             fluid: self.field_or_q.output(),
             brake_torque: self.brake.output(),
         };

@@ -37,6 +37,15 @@ impl Signal {
         value
     }
 
+    /// Rate of change `dt_s` after the start of the segment, unit per s.
+    #[inline]
+    pub(crate) fn rate_at(&self, dt_s: f64) -> f64 {
+        if self.amplitude == 0.0 {
+            return self.slope;
+        }
+        self.slope - self.rate * self.amplitude * (-self.rate * dt_s).exp()
+    }
+
     /// The same signal seen from `dt_s` later.
     #[inline]
     pub(crate) fn rebased(&self, dt_s: f64) -> Self {

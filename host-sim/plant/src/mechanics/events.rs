@@ -69,60 +69,83 @@ pub(crate) fn run<F: Flow>(flow: &F, segment: &Segment, from_s: f64, to_s: f64, 
     }
 }
 
-/// Waits for break-away; returns the time reached. The rotor has not moved.
+/// Waits for break-away; returns the time reached. The rotor has not moved, but a load behind it may have.
 fn rest<F: Flow>(flow: &F, segment: &Segment, t: f64, to_s: f64, x: &mut State) -> f64 {
     let balance = flow.rest_balance(segment, t, x);
     x.motion = balance.motion();
     if x.motion != Motion::Stuck {
+        flow.enter(segment, t, x);
         return t;
     }
-    let h =
-        if flow.rest_is_monotone(segment) { to_s - t } else { (to_s - t).min(0.25 * flow.longest_step(segment, t, x)) };
-    let end = if h < to_s - t { t + h } else { to_s };
-    let margin = |h: f64| flow.rest_balance(segment, t + h, x).margin();
-    let last = margin(h);
-    if last >= 0.0 {
-        return end;
+    let longest = if flow.rest_is_monotone(segment) { f64::INFINITY } else { 0.25 * flow.longest_step(segment, t, x) };
+    let (mut h, mut end) = cut(t, to_s, longest);
+    let mut next = flow.step(segment, t, x, h);
+    if let Some(left) = leave_within(flow, segment, t, x, h, &next) {
+        (h, end, next) = (left.0, t + left.0, left.1);
     }
-    let h = root(margin, (0.0, balance.margin()), (h, last));
-    x.motion = Motion::along(flow.rest_balance(segment, t + h, x).push);
-    t + h
+    let last = flow.rest_balance(segment, end, &next).margin();
+    if last < 0.0 {
+        let margin = |h: f64| flow.rest_balance(segment, t + h, &flow.step(segment, t, x, h)).margin();
+        let h = root(margin, (0.0, balance.margin()), (h, last)).max(LEAST_ADVANCE_S).min(h);
+        end = t + h;
+        next = flow.step(segment, t, x, h);
+        next.motion = Motion::along(flow.rest_balance(segment, end, &next).push);
+        flow.enter(segment, end, &mut next);
+    }
+    *x = next;
+    end
+}
+
+/// A step of at most `longest` that ends exactly at `to_s` if it reaches it: its length and its end.
+#[inline]
+fn cut(t: f64, to_s: f64, longest: f64) -> (f64, f64) {
+    if longest < to_s - t { (longest, t + longest) } else { (to_s - t, to_s) }
 }
 
 /// Slides until the first event or `to_s`; returns the time reached.
 #[inline]
 fn slide<F: Flow>(flow: &F, segment: &Segment, t: f64, to_s: f64, x: &mut State) -> f64 {
-    let longest = flow.longest_step(segment, t, x);
-    let (mut h, mut end) = if longest < to_s - t { (longest, t + longest) } else { (to_s - t, to_s) };
+    let (mut h, mut end) = cut(t, to_s, flow.longest_step(segment, t, x));
     let mut next = flow.step(segment, t, x, h);
-    let stop = stop_within(flow, segment, t, x, h, &next);
+    let mut stop = stop_within(flow, segment, t, x, h, &next);
     match stop {
         Stop::Never => {}
         Stop::AtOnce { wait_s } => {
-            x.velocity = 0.0;
-            x.motion = Motion::Stuck;
-            return (t + wait_s.max(LEAST_ADVANCE_S)).min(to_s);
+            let wait_s = wait_s.max(LEAST_ADVANCE_S).min(to_s - t);
+            (x.velocity, x.motion) = (0.0, Motion::Stuck);
+            *x = flow.step(segment, t, x, wait_s);
+            return t + wait_s;
         }
         Stop::After(stop_s) => {
             (h, end) = (stop_s, t + stop_s);
             next = flow.step(segment, t, x, h);
         }
     }
-    let last = flow.guard(segment, t + h, &next);
-    if last < 0.0 {
-        let first = flow.guard(segment, t, x);
-        let guard = |h: f64| flow.guard(segment, t + h, &flow.step(segment, t, x, h));
-        let h = root(guard, (0.0, first.max(0.0)), (h, last)).max(LEAST_ADVANCE_S).min(h);
-        *x = flow.step(segment, t, x, h);
-        flow.leave_regime(segment, t + h, x);
-        return t + h;
+    if let Some(left) = leave_within(flow, segment, t, x, h, &next) {
+        (end, next, stop) = (t + left.0, left.1, Stop::Never);
     }
     *x = next;
     if matches!(stop, Stop::After(_)) {
         x.velocity = 0.0;
         x.motion = flow.rest_balance(segment, end, x).motion();
+        flow.enter(segment, end, x);
     }
     end
+}
+
+/// The end of the regime within a step of `h`, if it ends there: when, and the state in the next regime.
+#[inline]
+fn leave_within<F: Flow>(flow: &F, segment: &Segment, t: f64, x: &State, h: f64, next: &State) -> Option<(f64, State)> {
+    let last = flow.guard(segment, t + h, next);
+    if last >= 0.0 {
+        return None;
+    }
+    let first = flow.guard(segment, t, x).max(0.0);
+    let guard = |h: f64| flow.guard(segment, t + h, &flow.step(segment, t, x, h));
+    let h = root(guard, (0.0, first), (h, last)).max(LEAST_ADVANCE_S).min(h);
+    let mut state = flow.step(segment, t, x, h);
+    flow.leave_regime(segment, t + h, &mut state);
+    Some((h, state))
 }
 
 /// Whether and when sliding comes to a stop within a step.
@@ -144,7 +167,8 @@ fn stop_within<F: Flow>(flow: &F, segment: &Segment, t: f64, x: &State, h: f64, 
     let start = sign * x.velocity;
     let end = sign * next.velocity;
     let first_slope = sign * flow.acceleration(segment, t, x);
-    // No slope in the step is steeper than twice the first one downwards when the speed stays this far away.
+    // The nominal speed never falls faster than at the start and rises again within a step (see above), which bounds its
+    // dip by the first slope; the factor two is a margin for the other laws.
     if end > 0.0 && start + 2.0 * first_slope * h > 0.0 {
         return Stop::Never;
     }

@@ -4,31 +4,19 @@
 //! Squaring the field gives three exponentials, and each of them integrates to [`moments`].
 
 use super::events::{Balance, Flow};
+use super::fluid::{FluidInput, FluidLaw, FluidRegime};
 use super::phi::{field_moments, moments};
-use super::state::{Motion, State};
+use super::state::State;
+use crate::effects::friction::Friction;
 use crate::{FluidResponse, Model, Segment};
 
-/// Sliding with the viscosity below its torque limit, the regime all other models are always in.
-const FLUID_FREE: u8 = 0;
-/// Sliding with the viscous drag of the fluid at its limit.
-const FLUID_LIMITED: u8 = 1;
-
-/// Nominal machine: Coulomb and viscous friction, and a fluid that is a field or a held viscosity.
+/// Nominal machine: Coulomb and viscous friction, each with its own level a direction, and a fluid that is a field or a
+/// held viscosity.
 #[derive(Debug, Clone)]
 pub(crate) struct Exact {
     inertia: f64,
-    coulomb: f64,
-    viscous: f64,
-    fluid: Fluid,
-}
-
-/// What the fluid's signal of a segment means.
-#[derive(Debug, Clone, Copy)]
-enum Fluid {
-    /// A field: drag a E^2 + b E.
-    Field { a: f64, b: f64 },
-    /// A coefficient Q: drag Q |w|, limited.
-    Viscosity { torque_limit: f64 },
+    friction: Friction,
+    fluid: FluidLaw,
 }
 
 /// Torque level + linear exp(-r t) + square exp(-2 r t) of the dry drag, and the viscous coefficient.
@@ -42,49 +30,53 @@ struct Drag {
 impl Exact {
     /// From a validated model.
     pub(crate) fn new(model: &Model) -> Self {
-        let fluid = match &model.er {
-            None => Fluid::Field { a: 0.0, b: 0.0 },
-            Some(er) => match er.response {
-                FluidResponse::Field(_) => Fluid::Field { a: er.a, b: er.b },
-                FluidResponse::ViscosityDeadTime { torque_limit, .. }
-                | FluidResponse::ViscosityLag { torque_limit, .. } => Fluid::Viscosity { torque_limit },
-            },
-        };
-        Self { inertia: model.inertia, coulomb: model.coulomb, viscous: model.viscous, fluid }
+        Self { inertia: model.inertia, friction: Friction::new(model), fluid: FluidLaw::new(model) }
     }
 
-    /// The drag from `t` on, its exponentials counted from there.
+    /// Whether a model is within what this file solves.
+    pub(crate) fn covers(model: &Model) -> bool {
+        let field = model.er.as_ref().is_none_or(|er| {
+            let shape = match er.response {
+                FluidResponse::Field(field) => field.slew_kv_mm_s.is_none(),
+                FluidResponse::ViscosityDeadTime { .. } => true,
+                FluidResponse::ViscosityLag { lag_s, .. } => lag_s == 0.0,
+            };
+            shape && er.drift_per_s == 0.0 && er.preyield_stiffness.is_none()
+        });
+        let friction = model.stribeck.is_none_or(|stribeck| stribeck.excess == 0.0)
+            && model.presliding_stiffness.is_none()
+            && model.quadratic_drag == 0.0;
+        let position = model.cogging.iter().all(|harmonic| harmonic.amplitude == 0.0)
+            && model.gravity.is_none_or(|gravity| gravity.amplitude == 0.0)
+            && model.spring_stiffness == 0.0;
+        let rigid = model.shaft.is_none_or(|shaft| shaft.inertia_ratio == 0.0);
+        field && friction && position && rigid && model.vibration.is_none_or(|vibration| vibration.amplitude == 0.0)
+    }
+
+    /// The drag from `t` on against motion of that sign, its exponentials counted from there.
     #[inline]
-    fn drag(&self, segment: &Segment, t: f64, regime: u8) -> Drag {
+    fn drag(&self, segment: &Segment, t: f64, sign: f64, regime: FluidRegime) -> Drag {
+        let (level, viscous) = (self.friction.coulomb(sign), self.friction.viscous(sign));
         match self.fluid {
-            Fluid::Field { a, b } => {
+            FluidLaw::Field { a, b } | FluidLaw::Spring { a, b, .. } => {
                 let field = segment.fluid.rebased(t);
                 let (e, d) = (field.base, field.amplitude);
-                Drag {
-                    level: self.coulomb + (a * e + b) * e,
-                    linear: (2.0 * a * e + b) * d,
-                    square: a * d * d,
-                    viscous: self.viscous,
-                }
+                Drag { level: level + (a * e + b) * e, linear: (2.0 * a * e + b) * d, square: a * d * d, viscous }
             }
-            Fluid::Viscosity { torque_limit } => {
-                let dry = self.coulomb + segment.brake_torque.at(t);
-                let (level, viscous) = if regime == FLUID_LIMITED {
-                    (dry + torque_limit, self.viscous)
+            FluidLaw::Viscosity { torque_limit } => {
+                let dry = level + segment.brake_torque.at(t);
+                let (level, viscous) = if regime == FluidRegime::Limited {
+                    (dry + torque_limit, viscous)
                 } else {
-                    (dry, self.viscous + segment.fluid.at(t))
+                    (dry, viscous + segment.fluid.at(t))
                 };
                 Drag { level, linear: 0.0, square: 0.0, viscous }
             }
         }
     }
 
-    /// Drag of the fluid at a speed over its limit, N m: positive beyond it.
-    fn excess(&self, segment: &Segment, t: f64, x: &State) -> f64 {
-        match self.fluid {
-            Fluid::Field { .. } => -1.0,
-            Fluid::Viscosity { torque_limit } => segment.fluid.at(t) * x.velocity.abs() - torque_limit,
-        }
+    fn fluid_input(&self, segment: &Segment, t: f64) -> FluidInput {
+        FluidInput { viscosity: segment.fluid.at(t), ..FluidInput::default() }
     }
 }
 
@@ -92,7 +84,10 @@ impl Flow for Exact {
     #[inline]
     fn step(&self, segment: &Segment, t: f64, x: &State, h: f64) -> State {
         let sign = x.motion.sign();
-        let drag = self.drag(segment, t, x.regime);
+        if sign == 0.0 {
+            return *x;
+        }
+        let drag = self.drag(segment, t, sign, x.fluid_regime);
         let torque = segment.torque.rebased(t);
         let per_inertia = self.inertia.recip();
         let beta = drag.viscous * per_inertia * h;
@@ -119,7 +114,7 @@ impl Flow for Exact {
 
     #[inline]
     fn acceleration(&self, segment: &Segment, t: f64, x: &State) -> f64 {
-        let drag = self.drag(segment, t, x.regime);
+        let drag = self.drag(segment, t, x.motion.sign(), x.fluid_regime);
         let level = drag.level + drag.linear + drag.square;
         let push = segment.torque.at(t) + segment.external_torque;
         (push - x.motion.sign() * level - drag.viscous * x.velocity) / self.inertia
@@ -127,9 +122,9 @@ impl Flow for Exact {
 
     #[inline]
     fn rest_balance(&self, segment: &Segment, t: f64, _x: &State) -> Balance {
-        let drag = self.drag(segment, t, FLUID_FREE);
-        let hold = drag.level + drag.linear + drag.square;
-        Balance { push: segment.torque.at(t) + segment.external_torque, hold }
+        let push = segment.torque.at(t) + segment.external_torque;
+        let drag = self.drag(segment, t, push, FluidRegime::Free);
+        Balance { push, hold: drag.level + drag.linear + drag.square }
     }
 
     /// No limit unless viscous friction meets a decaying torque, whose joint series holds up to exponents of one half.
@@ -141,7 +136,7 @@ impl Flow for Exact {
         if fastest == 0.0 {
             return f64::INFINITY;
         }
-        let beta = self.drag(segment, t, x.regime).viscous / self.inertia;
+        let beta = self.drag(segment, t, x.motion.sign(), x.fluid_regime).viscous / self.inertia;
         if beta == 0.0 { f64::INFINITY } else { 0.5 / fastest.max(beta) }
     }
 
@@ -152,23 +147,20 @@ impl Flow for Exact {
 
     #[inline]
     fn enter(&self, segment: &Segment, t: f64, x: &mut State) {
-        if matches!(self.fluid, Fluid::Viscosity { .. }) {
-            x.regime = if self.excess(segment, t, x) > 0.0 { FLUID_LIMITED } else { FLUID_FREE };
+        if matches!(self.fluid, FluidLaw::Viscosity { .. }) {
+            self.fluid.enter(&self.fluid_input(segment, t), x);
         }
     }
 
     #[inline]
     fn guard(&self, segment: &Segment, t: f64, x: &State) -> f64 {
         match self.fluid {
-            Fluid::Field { .. } => f64::INFINITY,
-            Fluid::Viscosity { torque_limit } if torque_limit.is_infinite() => f64::INFINITY,
-            Fluid::Viscosity { .. } if x.regime == FLUID_LIMITED => self.excess(segment, t, x),
-            Fluid::Viscosity { .. } => -self.excess(segment, t, x),
+            FluidLaw::Viscosity { .. } => self.fluid.guard(&self.fluid_input(segment, t), x),
+            _ => f64::INFINITY,
         }
     }
 
     fn leave_regime(&self, _segment: &Segment, _t: f64, x: &mut State) {
-        x.regime = if x.regime == FLUID_LIMITED { FLUID_FREE } else { FLUID_LIMITED };
-        debug_assert!(x.motion != Motion::Stuck, "the fluid's limit is only reached while sliding");
+        self.fluid.leave(x);
     }
 }

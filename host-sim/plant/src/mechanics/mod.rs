@@ -1,24 +1,31 @@
 //! Motion of the rotor under what acts on it.
 
+mod collocation;
 mod events;
 mod exact;
+mod fluid;
+mod general;
 mod phi;
 mod state;
 
+use crate::sensor::SensorModel;
 use crate::{Error, Model, Segment, Timeline};
 use exact::Exact;
+use general::General;
 pub use state::{Motion, State};
 
 /// The moving part of a model, ready to run over any [`Timeline`] built from the same model.
 #[derive(Debug, Clone)]
 pub struct Mechanics {
     path: Path,
+    sensor: SensorModel,
 }
 
 /// How the motion is integrated.
 #[derive(Debug, Clone)]
 enum Path {
     Exact(Exact),
+    General(Box<General>),
 }
 
 impl Mechanics {
@@ -28,7 +35,17 @@ impl Mechanics {
     /// [`Error::Parameter`] where the model does not hold water.
     pub fn new(model: &Model) -> Result<Self, Error> {
         model.validate()?;
-        Ok(Self { path: Path::Exact(Exact::new(model)) })
+        let path = if Exact::covers(model) {
+            Path::Exact(Exact::new(model))
+        } else {
+            Path::General(Box::new(General::new(model)))
+        };
+        Ok(Self { path, sensor: model.sensor.clone() })
+    }
+
+    /// The systematic part of the sensor.
+    pub fn sensor(&self) -> &SensorModel {
+        &self.sensor
     }
 
     /// Moves `state` through `segment` from `from_s` to `to_s`, absolute times within it.
@@ -37,11 +54,14 @@ impl Mechanics {
         let (from_s, to_s) = (from_s - segment.start_s, to_s - segment.start_s);
         match &self.path {
             Path::Exact(flow) => events::run(flow, segment, from_s, to_s, state),
+            Path::General(flow) => events::run(&**flow, segment, from_s, to_s, state),
         }
     }
 
-    /// Runs from `state` at `start_s` and writes the position at each of `sample_times_s` to `positions`, rad (m);
-    /// returns the state at the last sample. Delays and lags of the commands are warm, they live in the timeline.
+    /// Runs from `state` at `start_s` and writes the position the sensor reports at each of `sample_times_s` to
+    /// `positions`, rad (m): eccentric and late as the model says, without noise and steps; returns the state at the last
+    /// sample. Delays and lags of the commands are warm, they live in the timeline. Where the sensor is late, `state` is
+    /// the one it reports at `start_s`, so the true time of the run is earlier by the latency.
     ///
     /// Sample times must not run back nor lie before `start_s`. Nothing is allocated.
     ///
@@ -51,7 +71,7 @@ impl Mechanics {
         &self,
         timeline: &Timeline,
         start_s: f64,
-        mut state: State,
+        state: State,
         sample_times_s: &[f64],
         positions: &mut [f64],
     ) -> Result<State, Error> {
@@ -59,9 +79,11 @@ impl Mechanics {
             let (left_len, right_len) = (sample_times_s.len(), positions.len());
             return Err(Error::Length { left: "sample_times_s", left_len, right: "positions", right_len });
         }
-        let mut cursor = timeline.at(start_s);
-        let mut now_s = start_s;
+        let mut state = state.with_motion();
+        let mut now_s = start_s - self.sensor.latency_s;
+        let mut cursor = timeline.at(now_s);
         for (&sample_s, position) in sample_times_s.iter().zip(positions) {
+            let sample_s = sample_s - self.sensor.latency_s;
             if !(sample_s >= now_s && sample_s.is_finite()) {
                 return Err(Error::Time { previous_s: now_s, t_s: sample_s });
             }
@@ -71,7 +93,7 @@ impl Mechanics {
                 self.run(segment, now_s, end_s, &mut state);
                 now_s = end_s;
             }
-            *position = state.position;
+            *position = self.sensor.distorted(state.position);
         }
         Ok(state)
     }

@@ -1,5 +1,8 @@
 //! Where the machine is.
 
+use super::fluid::FluidRegime;
+use crate::effects::shaft::Contact;
+
 /// Which way the rotor slides.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Motion {
@@ -36,27 +39,61 @@ impl Motion {
     }
 }
 
-/// State of the mechanics.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+/// State of the mechanics. The nominal machine has a position and a speed only; the rest belongs to effects.
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct State {
     /// Rotor position, rad (m).
     pub position: f64,
     /// Rotor speed, rad/s (m/s).
     pub velocity: f64,
+    /// Load minus motor position behind a flexible shaft, rad (m).
+    pub twist: f64,
+    /// Its rate, rad/s (m/s).
+    pub twist_rate: f64,
+    /// Torque of the dry-friction bristle, N m (N), signed like the motion it opposes.
+    pub bristle_torque: f64,
+    /// Torque of the fluid's spring below yield, N m (N), signed likewise.
+    pub spring_torque: f64,
     /// Sliding direction; decides the sign of the drag while the speed passes through zero.
     pub(crate) motion: Motion,
-    /// Which side of its kinks the law of motion is on, see `Flow::regime`.
-    pub(crate) regime: u8,
+    pub(crate) fluid_regime: FluidRegime,
+    pub(crate) contact: Contact,
 }
 
 impl State {
-    /// At a position, rad (m), with a speed, rad/s (m/s).
+    /// At a position, rad (m), with a speed, rad/s (m/s); load in the middle of its gap and moving along, bristles
+    /// unloaded.
     pub fn new(position: f64, velocity: f64) -> Self {
-        Self { position, velocity, motion: Motion::along(velocity), ..Self::default() }
+        Self {
+            position,
+            velocity,
+            twist: 0.0,
+            twist_rate: 0.0,
+            bristle_torque: 0.0,
+            spring_torque: 0.0,
+            motion: Motion::along(velocity),
+            fluid_regime: FluidRegime::Free,
+            contact: Contact::Always,
+        }
+    }
+
+    /// With the sliding direction of its speed, whoever wrote that.
+    pub(crate) fn with_motion(mut self) -> Self {
+        if self.velocity != 0.0 {
+            self.motion = Motion::along(self.velocity);
+        }
+        self
     }
 
     /// Sliding direction.
     pub fn motion(&self) -> Motion {
         self.motion
+    }
+}
+
+impl Default for State {
+    /// At rest at zero.
+    fn default() -> Self {
+        Self::new(0.0, 0.0)
     }
 }

@@ -1,4 +1,5 @@
-//! The stable regions in the plane of the normalised gains, as Fig. 9 of the paper.
+//! The stable regions in the plane of the normalised gains, as Fig. 9 of the paper: closed curves in its three styles of
+//! line, which the panels of [`crate::plot`], made for long recordings, do not draw.
 
 use plotters::prelude::*;
 use std::error::Error;
@@ -50,7 +51,12 @@ pub(super) fn draw(analysis: &Analysis, regions: &[Region]) -> Result<String, Bo
             .draw_series([Circle::new(point, 5, BLACK.filled())])?
             .label(format!("gains ({:.4}, {:.4})", point.0, point.1))
             .legend(|(x, y)| Circle::new((x + 9, y), 4, BLACK.filled()));
-        chart.configure_series_labels().border_style(BLACK).background_style(WHITE).draw()?;
+        chart
+            .configure_series_labels()
+            .position(SeriesLabelPosition::UpperRight)
+            .border_style(BLACK)
+            .background_style(WHITE)
+            .draw()?;
         area.present()?;
     }
     Ok(svg)

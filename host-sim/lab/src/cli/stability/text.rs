@@ -51,21 +51,23 @@ fn name(fluid: Fluid) -> String {
 
 fn methods(out: &mut String, methods: &Methods) {
     let argument = methods.argument_unstable_roots.map_or_else(|| "one on the axis".to_owned(), |n| n.to_string());
-    let _ = writeln!(out, "  unstable roots by the curves        {}", methods.curves_unstable_roots);
-    let _ = writeln!(out, "  by the argument principle           {argument}");
-    let _ = write!(out, "  by the Chebyshev discretisation     {}", methods.spectrum_unstable_roots);
-    if let Some(root) = methods.rightmost_roots.first() {
-        let _ = write!(out, "; rightmost {:.3} +- {:.3}j rad/s", root.re_per_s, root.im_rad_s.abs());
-    }
-    let _ = writeln!(
-        out,
-        "\n  spectral radius sampled at {} ms     {:.5} ({})",
-        methods.sampled_period_s * 1e3,
-        methods.sampled_spectral_radius,
-        if methods.sampled_stable { "stable" } else { "unstable" }
+    let spectrum = methods.spectrum_unstable_roots.map_or_else(|| "no answer".to_owned(), |n| n.to_string());
+    let rightmost = methods.rightmost_roots.first().map_or_else(String::new, |root| {
+        format!("; rightmost {:.3} +- {:.3}j rad/s", root.re_per_s, root.im_rad_s.abs())
+    });
+    let sampled = methods.sampled_spectral_radius.map_or_else(
+        || "no answer".to_owned(),
+        |radius| format!("{radius:.5} ({})", if radius < 1.0 { "stable" } else { "unstable" }),
     );
+    let _ = writeln!(out, "  unstable roots by the curves       {}", methods.curves_unstable_roots);
+    let _ = writeln!(out, "  by the argument principle          {argument}");
+    let _ = writeln!(out, "  by the Chebyshev discretisation    {spectrum}{rightmost}");
+    let _ = writeln!(out, "  spectral radius, sampled {} ms    {sampled}", methods.sampled_period_s * 1e3);
+    for reason in &methods.unanswered {
+        let _ = writeln!(out, "  No answer: {reason}");
+    }
     if !methods.agree {
-        let _ = writeln!(out, "  The methods do not agree: the loop is next to the boundary.");
+        let _ = writeln!(out, "  Not all agree: the loop is at its limit, or as fast as the control period.");
     }
 }
 
@@ -118,6 +120,7 @@ fn limit_cycles(out: &mut String, analysis: &Analysis) {
             })
             .collect();
         let cycles = if cycles.is_empty() { "none".to_owned() } else { cycles.join(", ") };
-        let _ = writeln!(out, "  {:<20} {cycles}", model.model);
+        let left_mrad = model.simulated_amplitude_rad * 1e3;
+        let _ = writeln!(out, "  {:<20} {cycles}; {left_mrad:.3} mrad left in a run", model.model);
     }
 }

@@ -45,6 +45,15 @@ impl DamperDelay {
     /// No delay.
     pub const NONE: Self = Self::Field { dead_time_s: 0.0, lag_s: 0.0 };
 
+    /// The same with more dead time, s.
+    #[must_use]
+    pub fn later_by(self, more_s: f64) -> Self {
+        match self {
+            Self::Field { dead_time_s, lag_s } => Self::Field { dead_time_s: dead_time_s + more_s, lag_s },
+            Self::Viscosity { dead_time_s, lag_s } => Self::Viscosity { dead_time_s: dead_time_s + more_s, lag_s },
+        }
+    }
+
     fn dead_time_and_lag_s(self) -> (f64, f64) {
         match self {
             Self::Field { dead_time_s, lag_s } | Self::Viscosity { dead_time_s, lag_s } => (dead_time_s, lag_s),
@@ -70,7 +79,7 @@ pub struct Damper {
 }
 
 /// Samples over half a swing; the other half repeats them.
-const SAMPLES: usize = 512;
+const SAMPLES: usize = 256;
 
 /// What the law commands at one instant.
 #[derive(Debug, Clone, Copy, Default)]

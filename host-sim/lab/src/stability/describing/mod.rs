@@ -2,7 +2,7 @@
 //!
 //! The loop at rest at the reference is taken to swing as A sin(wt). Each nonlinear torque is replaced by its first
 //! harmonic over that swing: dry friction, the limit of the control torque, and the damper under its law and delay
-//! ([`damper`]). A limit cycle is an (A, w) at which what is left,
+//! ([`Damper`]). A limit cycle is an (A, w) at which what is left,
 //!
 //! (-J w^2 + N_u(A, w) (K_P + jw K_D) e^(-jwL)) A + j 4 c / pi + (b + j a) = 0,
 //!
@@ -16,12 +16,14 @@
 
 mod damper;
 mod models;
+mod simulated;
 
 use nalgebra::Complex;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 pub use damper::{Damper, DamperDelay, Swing, TorqueHarmonic};
 pub use models::{MODELS, ModelCycles, cycles_by_model};
+pub use simulated::remaining_amplitude_rad;
 
 use super::case::Gains;
 

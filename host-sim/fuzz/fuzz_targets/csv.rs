@@ -1,0 +1,15 @@
+//! Any bytes as a CSV recording: a message, or columns of one length with time that rises.
+#![no_main]
+
+use std::path::Path;
+
+use lab::read::Recording;
+use libfuzzer_sys::fuzz_target;
+
+fuzz_target!(|bytes: &[u8]| {
+    if let Ok(recording) = Recording::from_csv_bytes(Path::new("fuzz.csv"), bytes, None) {
+        assert!(recording.t_s.is_sorted_by(|before, after| before < after));
+        assert_eq!(recording.t_s.len(), recording.position.len());
+        assert_eq!(recording.t_s.len(), recording.effort_cmd.len());
+    }
+});

@@ -1,0 +1,34 @@
+//! Recordings as CSV.
+
+use std::io::{self, Write};
+
+use crate::read::{Cells, Recording};
+
+/// Writes header and rows; each real number in the fewest digits that read back to the same bits.
+pub(super) fn write(recording: &Recording, to: impl Write) -> io::Result<()> {
+    let columns = recording.columns();
+    let mut writer = csv::Writer::from_writer(to);
+    writer.write_record(columns.iter().map(|(name, _)| name))?;
+    let mut cell = Vec::new();
+    for row in 0..recording.rows() {
+        for (_, cells) in &columns {
+            cell.clear();
+            write_cell(&mut cell, cells, row)?;
+            writer.write_field(&cell)?;
+        }
+        writer.write_record(None::<&[u8]>)?;
+    }
+    writer.flush()
+}
+
+fn write_cell(cell: &mut Vec<u8>, cells: &Cells<'_>, row: usize) -> io::Result<()> {
+    match cells {
+        // `{:?}` gives the shortest digits as `{}` does, with an exponent where that would be a row of zeros.
+        Cells::Real(values) => write!(cell, "{:?}", values[row]),
+        Cells::Mode(values) => cell.write_all(values[row].name().as_bytes()),
+        Cells::Seq(values) => write!(cell, "{}", values[row]),
+        Cells::Fault(values) => write!(cell, "{}", values[row]),
+        Cells::Counts(values) => write!(cell, "{}", values[row]),
+        Cells::Text(values) => cell.write_all(values[row].as_bytes()),
+    }
+}

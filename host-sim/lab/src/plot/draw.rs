@@ -1,0 +1,200 @@
+//! A figure drawn with plotters.
+
+use std::ops::Range;
+
+use plotters::chart::{ChartBuilder, ChartContext, LabelAreaPosition};
+use plotters::coord::Shift;
+use plotters::coord::cartesian::Cartesian2d;
+use plotters::coord::types::RangedCoordf64;
+use plotters::element::{Circle, PathElement, Text};
+use plotters::prelude::{Color, DrawingArea, IntoDrawingArea, IntoFont, RGBColor, SVGBackend, ShapeStyle, WHITE};
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+
+use super::ticks::{range, tick_label};
+use super::{Figure, Mark, Panel, Series, decimate, is_shown};
+
+/// Units of the drawing in one pixel of the picture: plotters rounds to whole units, which shows in slow curves.
+const UNITS_PER_PIXEL: u32 = 2;
+const WIDTH: u32 = 900 * UNITS_PER_PIXEL;
+const TITLE_HEIGHT: u32 = 34 * UNITS_PER_PIXEL;
+const PANEL_HEIGHT: u32 = 230 * UNITS_PER_PIXEL;
+const LEGEND_HEIGHT: u32 = 20 * UNITS_PER_PIXEL;
+const X_AXIS_HEIGHT: u32 = 42 * UNITS_PER_PIXEL;
+const Y_AXIS_WIDTH: u32 = 74 * UNITS_PER_PIXEL;
+const MARGIN: u32 = 8 * UNITS_PER_PIXEL;
+const TEXT_SIZE: u32 = 13 * UNITS_PER_PIXEL;
+const DOT_RADIUS: u32 = 3 * UNITS_PER_PIXEL / 2;
+
+/// Points of all curves and dots of all clouds of a figure: at some 10 and 100 bytes each they stay under 500 kB.
+const MOST_CURVE_POINTS: usize = 18_000;
+const MOST_DOTS: usize = 2_000;
+
+/// Distinguishable with any colour vision, and in grey (Okabe and Ito, Color Universal Design, 2008).
+const COLOURS: [RGBColor; 6] = [
+    RGBColor(0, 114, 178),
+    RGBColor(213, 94, 0),
+    RGBColor(0, 158, 115),
+    RGBColor(204, 121, 167),
+    RGBColor(70, 70, 70),
+    RGBColor(230, 159, 0),
+];
+const FRAME: RGBColor = RGBColor(60, 60, 60);
+const GRID: RGBColor = RGBColor(222, 222, 222);
+
+type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
+type Chart<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
+
+/// What each series of the figure may use.
+struct Budget {
+    /// Columns of a curve, each of four points.
+    columns: usize,
+    /// Dots of a cloud.
+    dots: usize,
+}
+
+impl Budget {
+    fn of(figure: &Figure) -> Self {
+        let series = || figure.panels.iter().flat_map(|panel| &panel.series);
+        let clouds = series().filter(|series| series.mark == Mark::Points).count();
+        let curves = series().count() - clouds;
+        let columns = MOST_CURVE_POINTS / 4 / curves.max(1);
+        Self { columns: columns.clamp(1, WIDTH as usize / 2), dots: (MOST_DOTS / clouds.max(1)).max(1) }
+    }
+}
+
+pub(super) fn svg(figure: &Figure) -> Result<String, String> {
+    let panels = u32::try_from(figure.panels.len().max(1)).map_err(|error| error.to_string())?;
+    let x_axes = x_axis_groups(figure).count().max(1) as u32;
+    let height = TITLE_HEIGHT + panels * PANEL_HEIGHT + x_axes * X_AXIS_HEIGHT;
+    let mut text = String::new();
+    draw(figure, SVGBackend::with_string(&mut text, (WIDTH, height)).into_drawing_area())
+        .map_err(|error| format!("cannot draw `{}`: {error}", figure.title))?;
+    let size =
+        |units_per_pixel: u32| format!("width=\"{}\" height=\"{}\"", WIDTH / units_per_pixel, height / units_per_pixel);
+    Ok(text.replacen(&size(1), &size(UNITS_PER_PIXEL), 1))
+}
+
+fn draw(figure: &Figure, area: Area<'_>) -> Result<(), Box<dyn std::error::Error>> {
+    area.fill(&WHITE)?;
+    let title = ("sans-serif", TEXT_SIZE + TEXT_SIZE / 4).into_font().color(&FRAME);
+    let below = area.titled(&figure.title, title)?;
+    let budget = Budget::of(figure);
+    let mut rest = below;
+    for group in x_axis_groups(figure) {
+        let shown = group.iter().flat_map(|panel| &panel.series).flat_map(|series| &series.points);
+        let x = range(shown.filter(|point| is_shown(point)).map(|point| point.0), 0.0);
+        for (index, panel) in group.iter().enumerate() {
+            let has_x_axis = index + 1 == group.len();
+            let height = PANEL_HEIGHT + if has_x_axis { X_AXIS_HEIGHT } else { 0 };
+            let (top, remaining) = rest.split_vertically(height);
+            draw_panel(&top, panel, &x, has_x_axis, &budget)?;
+            rest = remaining;
+        }
+    }
+    area.present()?;
+    Ok(())
+}
+
+/// Neighbouring panels over the same x axis, which the last of them carries.
+fn x_axis_groups(figure: &Figure) -> impl Iterator<Item = &[Panel]> {
+    figure.panels.chunk_by(|one, next| one.x_label == next.x_label)
+}
+
+/// Draws one panel; numbers and label of the x axis are left to a panel below where it does not carry them.
+fn draw_panel(
+    area: &Area<'_>,
+    panel: &Panel,
+    x: &Range<f64>,
+    has_x_axis: bool,
+    budget: &Budget,
+) -> Result<(), Box<dyn std::error::Error>> {
+    let points = panel.series.iter().flat_map(|series| &series.points);
+    let y = range(points.filter(|point| is_shown(point)).map(|point| point.1), 0.06);
+    // Above the axes, where it hides no data.
+    let (top, area) = area.split_vertically(LEGEND_HEIGHT);
+    draw_legend(&top, panel)?;
+    let mut chart = ChartBuilder::on(&area)
+        .margin_left(MARGIN)
+        .margin_right(2 * MARGIN)
+        .margin_bottom(MARGIN)
+        .set_label_area_size(LabelAreaPosition::Left, Y_AXIS_WIDTH)
+        .set_label_area_size(LabelAreaPosition::Bottom, if has_x_axis { X_AXIS_HEIGHT } else { 0 })
+        .build_cartesian_2d(x.clone(), y.clone())?;
+    let (x_span, y_span) = (x.end - x.start, y.end - y.start);
+    chart
+        .configure_mesh()
+        .light_line_style(WHITE)
+        .bold_line_style(GRID)
+        .axis_style(FRAME)
+        .x_labels(12)
+        .y_labels(6)
+        .x_label_formatter(&|value| tick_label(*value, x_span))
+        .y_label_formatter(&|value| tick_label(*value, y_span))
+        .label_style(("sans-serif", TEXT_SIZE).into_font().color(&FRAME))
+        .axis_desc_style(("sans-serif", TEXT_SIZE).into_font().color(&FRAME))
+        .x_desc(if has_x_axis { panel.x_label.as_str() } else { "" })
+        .y_desc(&panel.y_label)
+        .draw()?;
+    for (series, colour) in panel.series.iter().zip(COLOURS.into_iter().cycle()) {
+        draw_series(&mut chart, series, colour, x, &y, budget)?;
+    }
+    Ok(())
+}
+
+fn draw_series(
+    chart: &mut Chart<'_, '_>,
+    series: &Series,
+    colour: RGBColor,
+    x: &Range<f64>,
+    y: &Range<f64>,
+    budget: &Budget,
+) -> Result<(), Box<dyn std::error::Error>> {
+    if series.mark == Mark::Points {
+        let points = decimate::cloud(&series.points, x, y, budget.dots);
+        chart.draw_series(points.into_iter().map(|point| Circle::new(point, DOT_RADIUS, dot(colour))))?;
+    } else {
+        let mut pieces = decimate::curve(&series.points, x, budget.columns);
+        if series.mark == Mark::Step {
+            pieces = pieces.iter().map(|piece| held(piece)).collect();
+        }
+        chart.draw_series(pieces.into_iter().map(|piece| PathElement::new(piece, stroke(colour))))?;
+    }
+    Ok(())
+}
+
+/// Names the series from left to right, each after a sample of its line or dot.
+fn draw_legend(area: &Area<'_>, panel: &Panel) -> Result<(), Box<dyn std::error::Error>> {
+    let unit = UNITS_PER_PIXEL as i32;
+    let (sample, space, middle) = (22 * unit, 6 * unit, LEGEND_HEIGHT as i32 / 2);
+    let mut left = (MARGIN + Y_AXIS_WIDTH) as i32 + space;
+    let font = ("sans-serif", TEXT_SIZE).into_font().color(&FRAME).pos(Pos::new(HPos::Left, VPos::Center));
+    for (series, colour) in panel.series.iter().zip(COLOURS.into_iter().cycle()) {
+        if series.name.is_empty() {
+            continue;
+        }
+        if series.mark == Mark::Points {
+            area.draw(&Circle::new((left + sample / 2, middle), DOT_RADIUS, dot(colour)))?;
+        } else {
+            area.draw(&PathElement::new(vec![(left, middle), (left + sample, middle)], stroke(colour)))?;
+        }
+        area.draw(&Text::new(series.name.as_str(), (left + sample + space, middle), font.clone()))?;
+        // The width of text is the viewer's affair; sans-serif letters are rarely wider than this on average.
+        let text = series.name.chars().count() as i32 * TEXT_SIZE as i32 * 11 / 20;
+        left += sample + text + 4 * space;
+    }
+    Ok(())
+}
+
+fn stroke(colour: RGBColor) -> ShapeStyle {
+    colour.stroke_width(UNITS_PER_PIXEL + UNITS_PER_PIXEL / 2)
+}
+
+fn dot(colour: RGBColor) -> ShapeStyle {
+    colour.mix(0.7).filled()
+}
+
+/// Points that hold each value until the next x.
+fn held(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
+    let corners = points.windows(2).flat_map(|pair| [pair[0], (pair[1].0, pair[0].1)]);
+    corners.chain(points.last().copied()).collect()
+}

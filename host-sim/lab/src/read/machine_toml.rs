@@ -1,0 +1,112 @@
+//! A machine as the text of a machine file.
+
+use serde::Serialize;
+use serde::ser::{SerializeMap, Serializer};
+
+use super::controller::controller_pairs;
+use super::machine_file::SCHEMA;
+use super::toml_section::Setting;
+use super::{EffectEntry, Machine};
+
+impl Machine {
+    /// The text of a machine file that reads back as this machine, every number to the same bits.
+    ///
+    /// # Errors
+    ///
+    /// What TOML cannot express; nothing in a machine that was read from a file is.
+    pub fn to_toml(&self) -> Result<String, toml::ser::Error> {
+        toml::to_string(&FileForm(self))
+    }
+}
+
+/// The machine in the order of the file.
+struct FileForm<'a>(&'a Machine);
+
+impl Serialize for FileForm<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let Machine { name, axis, plant, controller, effects, file: _ } = self.0;
+        let mut top = serializer.serialize_map(None)?;
+        top.serialize_entry("schema", &SCHEMA)?;
+        top.serialize_entry("name", name)?;
+        let axis_keys = [("sample_period_s", axis.sample_period_s), ("resolution", axis.resolution)];
+        top.serialize_entry("axis", &Keys { texts: &[("kind", axis.kind.name())], numbers: &axis_keys, below: None })?;
+        let mut plant_keys = vec![
+            ("inertia", plant.inertia),
+            ("coulomb", plant.coulomb),
+            ("viscous", plant.viscous),
+            ("torque_gain", plant.torque_gain),
+            ("torque_offset", plant.torque_offset),
+            ("torque_delay_s", plant.torque_delay_s),
+        ];
+        plant_keys.extend(plant.torque_limit.map(|limit| ("torque_limit", limit)));
+        let er = plant
+            .er
+            .as_ref()
+            .map(|er| [("a", er.a), ("b", er.b), ("dead_time_s", er.dead_time_s), ("lag_s", er.lag_s)]);
+        let below = er.as_ref().map(|er| ("er", &er[..]));
+        top.serialize_entry("plant", &Keys { texts: &[], numbers: &plant_keys, below })?;
+        if let Some(controller) = controller {
+            top.serialize_entry("controller", &Settings(&controller_pairs(controller)))?;
+        }
+        if !effects.is_empty() {
+            top.serialize_entry("effects", &effects.iter().map(EffectForm).collect::<Vec<_>>())?;
+        }
+        top.end()
+    }
+}
+
+/// A section: texts, numbers, and at most one section of numbers below it.
+struct Keys<'a> {
+    texts: &'a [(&'a str, &'a str)],
+    numbers: &'a [(&'a str, f64)],
+    below: Option<(&'a str, &'a [(&'a str, f64)])>,
+}
+
+impl Serialize for Keys<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut section = serializer.serialize_map(None)?;
+        for (key, text) in self.texts {
+            section.serialize_entry(key, text)?;
+        }
+        for (key, number) in self.numbers {
+            section.serialize_entry(key, number)?;
+        }
+        if let Some((key, numbers)) = self.below {
+            section.serialize_entry(key, &Keys { texts: &[], numbers, below: None })?;
+        }
+        section.end()
+    }
+}
+
+struct Settings<'a>(&'a [(&'static str, Setting)]);
+
+impl Serialize for Settings<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut section = serializer.serialize_map(Some(self.0.len()))?;
+        for (key, setting) in self.0 {
+            match setting {
+                // The controller computes in single precision: the digits that tell one such number from the next.
+                Setting::Number(number) => section.serialize_entry(key, &(*number as f32))?,
+                Setting::Flag(flag) => section.serialize_entry(key, flag)?,
+            }
+        }
+        section.end()
+    }
+}
+
+struct EffectForm<'a>(&'a EffectEntry);
+
+impl Serialize for EffectForm<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let EffectEntry { id, recording, parameters } = self.0;
+        let mut section = serializer.serialize_map(None)?;
+        section.serialize_entry("id", id)?;
+        if let Some(recording) = recording {
+            section.serialize_entry("recording", recording)?;
+        }
+        for (key, value) in parameters {
+            section.serialize_entry(key, value)?;
+        }
+        section.end()
+    }
+}

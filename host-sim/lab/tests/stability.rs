@@ -1,0 +1,57 @@
+//! `servo-lab stability` as a user runs it.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use assert_cmd::Command;
+
+fn stability(flags: &[&str]) -> std::process::Output {
+    Command::cargo_bin("servo-lab").unwrap().arg("stability").args(flags).output().unwrap()
+}
+
+#[test]
+fn the_default_case_is_inside_with_its_margins_and_area() {
+    let output = stability(&["--json", "-"]);
+    assert!(output.status.success());
+    let answer: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(answer["inside"], true);
+    assert_eq!(answer["methods"]["agree"], true);
+    assert!((answer["area"].as_f64().unwrap() / 0.40 - 1.0).abs() < 0.02);
+    assert!(answer["margins"]["gain"].as_f64().unwrap() > 1.5);
+    assert!((answer["gains"]["k_p_nm_rad"].as_f64().unwrap() - 240.0).abs() < 1e-9);
+}
+
+#[test]
+fn flags_reach_the_loop() {
+    let without = ["--model", "none", "--q0", "0", "--q1", "0", "--json", "-"];
+    let answer: serde_json::Value = serde_json::from_slice(&stability(&without).stdout).unwrap();
+    assert!((answer["margins"]["phase_deg"].as_f64().unwrap() / 42.5 - 1.0).abs() < 0.02);
+    assert!((answer["margins"]["delay_factor"].as_f64().unwrap() / 2.51 - 1.0).abs() < 0.02);
+    let outside = ["--q0", "0", "--q1", "17", "--json", "-"];
+    let answer: serde_json::Value = serde_json::from_slice(&stability(&outside).stdout).unwrap();
+    assert_eq!((&answer["inside"], &answer["margins"]), (&false.into(), &serde_json::Value::Null));
+}
+
+#[test]
+fn the_figure_and_the_file_are_written_whole() {
+    let folder = tempfile::tempdir().unwrap();
+    let (figure, json) = (folder.path().join("fig9.svg"), folder.path().join("answer.json"));
+    let output = stability(&["--plot", figure.to_str().unwrap(), "--json", json.to_str().unwrap()]);
+    assert!(output.status.success() && String::from_utf8(output.stdout).unwrap().contains("inside the region"));
+    let svg = std::fs::read_to_string(figure).unwrap();
+    assert!(svg.contains("K_p* = K_P L^2 / J (1)") && svg.trim_end().ends_with("</svg>"));
+    assert!(serde_json::from_str::<serde_json::Value>(&std::fs::read_to_string(json).unwrap()).is_ok());
+}
+
+#[test]
+fn bad_flags_are_refused_with_a_reason() {
+    for (flags, reason) in [
+        (["--delay-ms", "0"], "torque delay"),
+        (["--kp", "nan"], "K_P"),
+        (["--q1", "1e12"], "stiff"),
+        (["--machine", "no-such-machine.toml"], "no-such-machine.toml"),
+    ] {
+        let output = stability(&flags);
+        assert_eq!(output.status.code(), Some(2), "{flags:?}");
+        let message = String::from_utf8(output.stderr).unwrap();
+        assert!(message.contains(reason), "{flags:?}: {message}");
+    }
+}

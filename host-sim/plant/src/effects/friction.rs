@@ -1,0 +1,150 @@
+//! Friction as a function of speed and direction: `coulomb_friction`, `viscous_friction`, `stribeck_friction`,
+//! `friction_asymmetry`, `quadratic_drag`; and dry friction as a bristle: `presliding`.
+
+use crate::model::{check, finite, not_negative, positive};
+use crate::{Error, Model};
+
+/// Friction over the Coulomb level near standstill: excess exp(-(w / velocity)^2).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Stribeck {
+    /// Excess at standstill, N m (N), not negative.
+    pub excess: f64,
+    /// Speed at which 37 % of it is left, rad/s (m/s), above 0.
+    pub velocity: f64,
+}
+
+/// What friction has more of in the positive than in the negative direction; the mean is the nominal value.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Asymmetry {
+    /// Of the Coulomb level, N m (N); at most twice that level either way.
+    pub coulomb: f64,
+    /// Of the viscous coefficient, N m s/rad (N s/m); at most twice that coefficient either way.
+    pub viscous: f64,
+}
+
+/// Checks the friction of a model.
+pub(crate) fn validate(model: &Model) -> Result<(), Error> {
+    not_negative("coulomb", model.coulomb)?;
+    not_negative("viscous", model.viscous)?;
+    not_negative("quadratic_drag", model.quadratic_drag)?;
+    let pairs = [
+        ("friction_asymmetry.coulomb", model.asymmetry.coulomb, model.coulomb),
+        ("friction_asymmetry.viscous", model.asymmetry.viscous, model.viscous),
+    ];
+    for (key, difference, mean) in pairs {
+        finite(key, difference)?;
+        check(key, difference, difference.abs() <= 2.0 * mean, "at most twice the mean, or friction would drive")?;
+    }
+    if let Some(stribeck) = model.stribeck {
+        not_negative("stribeck_friction.excess", stribeck.excess)?;
+        positive("stribeck_friction.velocity", stribeck.velocity)?;
+    }
+    model.presliding_stiffness.map_or(Ok(()), |stiffness| positive("presliding.stiffness", stiffness))
+}
+
+/// Friction levels by direction, index 0 forward and 1 backward.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Friction {
+    coulomb: [f64; 2],
+    viscous: [f64; 2],
+    stribeck: Stribeck,
+    quadratic: f64,
+    /// Bristle stiffness of the dry part; none for set-valued friction.
+    stiffness: Option<f64>,
+}
+
+impl Friction {
+    /// From a validated model.
+    pub(crate) fn new(model: &Model) -> Self {
+        let by_direction = |mean: f64, difference: f64| [mean + 0.5 * difference, mean - 0.5 * difference];
+        Self {
+            coulomb: by_direction(model.coulomb, model.asymmetry.coulomb),
+            viscous: by_direction(model.viscous, model.asymmetry.viscous),
+            stribeck: model.stribeck.unwrap_or(Stribeck { excess: 0.0, velocity: 1.0 }),
+            quadratic: model.quadratic_drag,
+            stiffness: model.presliding_stiffness,
+        }
+    }
+
+    /// Coulomb level against motion of that sign, N m.
+    #[inline]
+    pub(crate) fn coulomb(&self, sign: f64) -> f64 {
+        self.coulomb[usize::from(sign < 0.0)]
+    }
+
+    /// Viscous coefficient against motion of that sign, N m s/rad.
+    #[inline]
+    pub(crate) fn viscous(&self, sign: f64) -> f64 {
+        self.viscous[usize::from(sign < 0.0)]
+    }
+
+    /// Whether the dry part is a bristle, which never holds by itself.
+    pub(crate) fn is_bristle(&self) -> bool {
+        self.stiffness.is_some()
+    }
+
+    /// Largest dry drag that holds at standstill against a push of that sign, N m.
+    pub(crate) fn hold(&self, sign: f64) -> f64 {
+        if self.is_bristle() { 0.0 } else { self.coulomb(sign) + self.stribeck.excess }
+    }
+
+    /// Drag torque, signed like the motion, N m; `bristle` is the force of the bristle, used where there is one.
+    #[inline]
+    pub(crate) fn torque(&self, sign: f64, w: f64, bristle: f64) -> f64 {
+        let mut torque = self.viscous(sign) * w + sign * self.quadratic * w * w;
+        let excess = if self.stribeck.excess == 0.0 {
+            0.0
+        } else {
+            let ratio = w / self.stribeck.velocity;
+            self.stribeck.excess * (-ratio * ratio).exp()
+        };
+        if self.stiffness.is_none() {
+            torque += sign * (self.coulomb(sign) + excess);
+        } else {
+            // The excess scales the bristle's force, so that the force stays continuous at reversal.
+            torque += bristle * (1.0 + excess / self.mean_coulomb().max(f64::MIN_POSITIVE));
+        }
+        torque
+    }
+
+    /// The bristle's force after `travel` (signed) from `bristle`: Dahl's rate-independent law
+    /// df/dx = stiffness (1 - s f / level) in closed form.
+    #[inline]
+    pub(crate) fn bristle_after(&self, sign: f64, bristle: f64, travel: f64) -> f64 {
+        let Some(stiffness) = self.stiffness else { return 0.0 };
+        let level = self.coulomb(sign);
+        if sign == 0.0 || level == 0.0 {
+            return if sign == 0.0 { bristle } else { 0.0 };
+        }
+        sign * level + (bristle - sign * level) * (-stiffness * sign * travel / level).exp()
+    }
+
+    /// Longest step over which the laws are smooth, s, at speed `w` and an acceleration of at most `acceleration`.
+    pub(crate) fn longest_step(&self, sign: f64, w: f64, bristle: f64, acceleration: f64, inertia: f64) -> f64 {
+        let mut step = 0.25 * inertia / (self.viscous(sign) + 2.0 * self.quadratic * w.abs());
+        if self.stribeck.excess > 0.0 {
+            // Beyond seven times its velocity nothing is left of it.
+            let beyond = w.abs() - 7.0 * self.stribeck.velocity;
+            let slow = (0.5 * self.stribeck.velocity / acceleration)
+                .min(0.5 * inertia * self.stribeck.velocity / self.stribeck.excess);
+            step = step.min(slow.max(beyond / acceleration));
+        }
+        if let Some(stiffness) = self.stiffness {
+            step = step.min(0.5 * (inertia / stiffness).sqrt());
+            let level = self.coulomb(sign);
+            if level > 0.0 && (bristle - sign * level).abs() > 1e-13 * level {
+                step = step.min(travel_time(0.5 * level / stiffness, w.abs(), acceleration));
+            }
+        }
+        step
+    }
+
+    fn mean_coulomb(&self) -> f64 {
+        0.5 * (self.coulomb[0] + self.coulomb[1])
+    }
+}
+
+/// Time in which no more than `distance` is travelled from speed `w` under at most `acceleration`, s.
+pub(crate) fn travel_time(distance: f64, w: f64, acceleration: f64) -> f64 {
+    2.0 * distance / (w + (w * w + 2.0 * acceleration * distance).sqrt())
+}

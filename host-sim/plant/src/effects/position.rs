@@ -1,0 +1,109 @@
+//! Torques that depend on the position: `cogging`, `gravity_load`, `spring_load`.
+
+use super::friction::travel_time;
+use crate::model::{check, finite, not_negative};
+use crate::{Error, Model};
+
+/// amplitude sin(order position + phase): cogging of the motor, or the error of an eccentric resolver.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Harmonic {
+    /// Amplitude, N m (N) for a torque, rad (m) for a position.
+    pub amplitude: f64,
+    /// Periods per revolution (rad of phase per m on a linear axis), not negative.
+    pub order: f64,
+    /// Phase at position zero, rad.
+    pub phase_rad: f64,
+}
+
+impl Harmonic {
+    pub(crate) fn validate(&self, key: &str) -> Result<(), Error> {
+        finite(&format!("{key}.amplitude"), self.amplitude)?;
+        check(&format!("{key}.order"), self.order, self.order >= 0.0 && self.order.is_finite(), "finite, 0 or above")?;
+        finite(&format!("{key}.phase_rad"), self.phase_rad)
+    }
+
+    /// Value at a position.
+    #[inline]
+    pub fn at(&self, position: f64) -> f64 {
+        self.amplitude * (self.order * position + self.phase_rad).sin()
+    }
+}
+
+/// An unbalanced load: -amplitude sin(position + phase).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Gravity {
+    /// Weight times lever, N m (N).
+    pub amplitude: f64,
+    /// Phase at position zero, rad; 0 hangs down there.
+    pub phase_rad: f64,
+}
+
+/// Checks the position-dependent torques of a model.
+pub(crate) fn validate(model: &Model) -> Result<(), Error> {
+    model.cogging.iter().try_for_each(|harmonic| harmonic.validate("cogging"))?;
+    if let Some(gravity) = model.gravity {
+        finite("gravity_load.amplitude", gravity.amplitude)?;
+        finite("gravity_load.phase_rad", gravity.phase_rad)?;
+    }
+    not_negative("spring_load.stiffness", model.spring_stiffness)
+}
+
+/// All of them together.
+#[derive(Debug, Clone)]
+pub(crate) struct PositionTorque {
+    /// Cogging, then gravity as order one.
+    harmonics: Vec<Harmonic>,
+    spring_stiffness: f64,
+    /// Largest slope of torque over position, N m/rad.
+    steepest: f64,
+    highest_order: f64,
+    /// Largest torque of the harmonics, N m.
+    amplitude: f64,
+}
+
+impl PositionTorque {
+    /// From a validated model.
+    pub(crate) fn new(model: &Model) -> Self {
+        let gravity = model.gravity.map(|gravity| Harmonic {
+            amplitude: -gravity.amplitude,
+            order: 1.0,
+            phase_rad: gravity.phase_rad,
+        });
+        let harmonics: Vec<Harmonic> = model.cogging.iter().copied().chain(gravity).collect();
+        let slope: f64 = harmonics.iter().map(|h| h.amplitude.abs() * h.order).sum();
+        Self {
+            steepest: slope + model.spring_stiffness,
+            highest_order: harmonics.iter().map(|h| h.order).fold(0.0, f64::max),
+            amplitude: harmonics.iter().map(|h| h.amplitude.abs()).sum(),
+            spring_stiffness: model.spring_stiffness,
+            harmonics,
+        }
+    }
+
+    /// Torque at a position, N m (N).
+    #[inline]
+    pub(crate) fn torque(&self, position: f64) -> f64 {
+        let mut torque = -self.spring_stiffness * position;
+        for harmonic in &self.harmonics {
+            torque += harmonic.at(position);
+        }
+        torque
+    }
+
+    /// Largest torque near a position, N m (N).
+    pub(crate) fn bound(&self, position: f64) -> f64 {
+        self.amplitude + self.spring_stiffness * position.abs()
+    }
+
+    /// Longest step over which the torque is smooth, s.
+    pub(crate) fn longest_step(&self, w: f64, acceleration: f64, inertia: f64) -> f64 {
+        let mut step = f64::INFINITY;
+        if self.steepest > 0.0 {
+            step = 0.25 * (inertia / self.steepest).sqrt();
+        }
+        if self.highest_order > 0.0 {
+            step = step.min(travel_time(1.0 / self.highest_order, w.abs(), acceleration));
+        }
+        step
+    }
+}

@@ -1,0 +1,120 @@
+//! A load on a flexible shaft (`compliance`), or behind a gap as well (`backlash`).
+//!
+//! The nominal inertia J is shared: motor J / (1 + r), load J r / (1 + r), so that slow motion feels J whatever the
+//! ratio r. The resonance is that of the free motor and load against each other, sqrt(k (1/Jm + 1/Jl)) / 2 pi, the peak
+//! of the response of motor speed to torque; the antiresonance (motor locked) lies a factor sqrt(1 + r) below. The damping
+//! ratio is that of the same mode. Drag, drive and sensor sit on the motor.
+
+use std::f64::consts::TAU;
+
+use crate::Error;
+use crate::model::{not_negative, positive};
+
+/// Parameters of the shaft.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Shaft {
+    /// Free-free resonance with the gap closed, Hz, above 0.
+    pub resonance_hz: f64,
+    /// Damping of that mode over critical, 1, not negative. Across the gap there is none.
+    pub damping_ratio: f64,
+    /// Load over motor inertia, 1, not negative; 0 is the rigid machine.
+    pub inertia_ratio: f64,
+    /// Free play from contact to contact, rad (m), not negative; 0 for a compliance without backlash.
+    pub gap: f64,
+}
+
+impl Shaft {
+    pub(crate) fn validate(&self) -> Result<(), Error> {
+        positive("compliance.resonance_hz", self.resonance_hz)?;
+        not_negative("compliance.damping_ratio", self.damping_ratio)?;
+        not_negative("compliance.inertia_ratio", self.inertia_ratio)?;
+        not_negative("backlash.gap", self.gap)
+    }
+}
+
+/// Where the load is in its gap.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Contact {
+    /// Coupled at zero play.
+    Always,
+    /// Load ahead of the motor, pulling it along.
+    Ahead,
+    /// In the gap.
+    Free,
+    /// Load behind the motor.
+    Behind,
+}
+
+/// The shaft as a spring and a damper, SI.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct ShaftLaw {
+    pub(crate) motor_inertia: f64,
+    pub(crate) load_inertia: f64,
+    stiffness: f64,
+    damping: f64,
+    half_gap: f64,
+    resonance_rad_s: f64,
+}
+
+impl ShaftLaw {
+    /// From validated parameters and the total inertia; none for a load without inertia.
+    pub(crate) fn new(shaft: &Shaft, inertia: f64) -> Option<Self> {
+        let ratio = shaft.inertia_ratio;
+        if ratio == 0.0 {
+            return None;
+        }
+        let (motor_inertia, load_inertia) = (inertia / (1.0 + ratio), inertia * ratio / (1.0 + ratio));
+        let reduced = motor_inertia * load_inertia / inertia;
+        let resonance_rad_s = TAU * shaft.resonance_hz;
+        Some(Self {
+            motor_inertia,
+            load_inertia,
+            stiffness: reduced * resonance_rad_s * resonance_rad_s,
+            damping: 2.0 * shaft.damping_ratio * reduced * resonance_rad_s,
+            half_gap: 0.5 * shaft.gap,
+            resonance_rad_s,
+        })
+    }
+
+    /// Torque of the shaft on the motor, N m, for the twist load minus motor and its rate.
+    #[inline]
+    pub(crate) fn torque(&self, contact: Contact, twist: f64, twist_rate: f64) -> f64 {
+        let bent = match contact {
+            Contact::Free => return 0.0,
+            Contact::Always => twist,
+            Contact::Ahead => twist - self.half_gap,
+            Contact::Behind => twist + self.half_gap,
+        };
+        self.stiffness * bent + self.damping * twist_rate
+    }
+
+    /// The contact a twist and its rate lead to; on the edge of the gap the rate decides.
+    pub(crate) fn contact(&self, twist: f64, twist_rate: f64) -> Contact {
+        let edge = self.half_gap * 1e-12;
+        if self.half_gap == 0.0 {
+            Contact::Always
+        } else if twist > self.half_gap + edge || (twist >= self.half_gap - edge && twist_rate > 0.0) {
+            Contact::Ahead
+        } else if twist < -self.half_gap - edge || (twist <= -self.half_gap + edge && twist_rate < 0.0) {
+            Contact::Behind
+        } else {
+            Contact::Free
+        }
+    }
+
+    /// Positive while the contact holds.
+    #[inline]
+    pub(crate) fn guard(&self, contact: Contact, twist: f64) -> f64 {
+        match contact {
+            Contact::Always => f64::INFINITY,
+            Contact::Ahead => twist - self.half_gap,
+            Contact::Behind => -twist - self.half_gap,
+            Contact::Free => self.half_gap - twist.abs(),
+        }
+    }
+
+    /// Longest step over which the law is smooth, s.
+    pub(crate) fn longest_step(&self) -> f64 {
+        0.5 / (self.resonance_rad_s + self.damping * (1.0 / self.motor_inertia + 1.0 / self.load_inertia))
+    }
+}

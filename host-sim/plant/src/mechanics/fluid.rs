@@ -1,0 +1,142 @@
+//! The fluid seen from the rotor: a drag level from a field, a spring below yield, or a limited viscosity.
+
+use super::state::State;
+use crate::{FluidResponse, Model};
+
+/// Which side of its kinks the fluid is on; part of [`State`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(crate) enum FluidRegime {
+    /// Viscosity below its torque limit; spring below yield; plain field.
+    #[default]
+    Free,
+    /// Viscous torque at its limit; spring at yield in the direction of motion.
+    Limited,
+    /// Spring loaded against the motion and cut down by a falling field.
+    Clipped,
+}
+
+/// The fluid's law.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum FluidLaw {
+    /// Drag a E^2 + b E.
+    Field { a: f64, b: f64 },
+    /// A spring that yields at a E^2 + b E.
+    Spring { a: f64, b: f64, stiffness: f64 },
+    /// Drag Q |w|, limited.
+    Viscosity { torque_limit: f64 },
+}
+
+/// What the fluid can do at one time.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct FluidInput {
+    /// Set-valued drag, N m.
+    pub(crate) level: f64,
+    /// Viscous coefficient, N m s/rad.
+    pub(crate) viscosity: f64,
+    /// Torque at which the spring yields, N m, and its rate, N m/s.
+    pub(crate) yield_torque: f64,
+    pub(crate) yield_rate: f64,
+}
+
+impl FluidLaw {
+    /// From a validated model.
+    pub(crate) fn new(model: &Model) -> Self {
+        let Some(er) = &model.er else { return FluidLaw::Field { a: 0.0, b: 0.0 } };
+        let (a, b) = er.acting();
+        match (er.response, er.preyield_stiffness) {
+            (FluidResponse::Field(_), None) => FluidLaw::Field { a, b },
+            (FluidResponse::Field(_), Some(stiffness)) => FluidLaw::Spring { a, b, stiffness },
+            (FluidResponse::ViscosityDeadTime { torque_limit, .. }, _)
+            | (FluidResponse::ViscosityLag { torque_limit, .. }, _) => FluidLaw::Viscosity { torque_limit },
+        }
+    }
+
+    /// Puts a state on the side of the kinks that it is on or is about to be on.
+    #[inline]
+    pub(crate) fn enter(&self, input: &FluidInput, x: &mut State) {
+        match *self {
+            FluidLaw::Field { .. } => {}
+            FluidLaw::Viscosity { torque_limit } => {
+                let limited = input.viscosity * x.velocity.abs() > torque_limit;
+                x.fluid_regime = if limited { FluidRegime::Limited } else { FluidRegime::Free };
+            }
+            FluidLaw::Spring { stiffness, .. } => {
+                x.spring_torque = x.spring_torque.clamp(-input.yield_torque, input.yield_torque);
+                let loaded = x.motion.sign() * x.spring_torque;
+                let edge = input.yield_torque * (1.0 - 1e-12);
+                let loading = stiffness * x.velocity.abs();
+                x.fluid_regime = if loaded >= edge && loading >= input.yield_rate {
+                    FluidRegime::Limited
+                } else if loaded <= -edge && -input.yield_rate > loading {
+                    FluidRegime::Clipped
+                } else {
+                    FluidRegime::Free
+                };
+            }
+        }
+    }
+
+    /// Positive while the regime of `x` holds.
+    #[inline]
+    pub(crate) fn guard(&self, input: &FluidInput, x: &State) -> f64 {
+        match (*self, x.fluid_regime) {
+            (FluidLaw::Field { .. }, _) => f64::INFINITY,
+            (FluidLaw::Viscosity { torque_limit }, _) if torque_limit.is_infinite() => f64::INFINITY,
+            (FluidLaw::Viscosity { torque_limit }, FluidRegime::Free) => {
+                torque_limit - input.viscosity * x.velocity.abs()
+            }
+            (FluidLaw::Viscosity { torque_limit }, _) => input.viscosity * x.velocity.abs() - torque_limit,
+            (FluidLaw::Spring { .. }, _) if x.motion.sign() == 0.0 => f64::INFINITY,
+            (FluidLaw::Spring { .. }, FluidRegime::Free) => input.yield_torque - x.spring_torque.abs(),
+            (FluidLaw::Spring { stiffness, .. }, FluidRegime::Limited) => {
+                stiffness * x.motion.sign() * x.velocity - input.yield_rate
+            }
+            (FluidLaw::Spring { stiffness, .. }, FluidRegime::Clipped) => {
+                -input.yield_rate - stiffness * x.motion.sign() * x.velocity
+            }
+        }
+    }
+
+    /// Moves a state whose guard has reached zero to the other side.
+    pub(crate) fn leave(&self, x: &mut State) {
+        x.fluid_regime = match x.fluid_regime {
+            FluidRegime::Limited | FluidRegime::Clipped => FluidRegime::Free,
+            FluidRegime::Free if x.motion.sign() * x.spring_torque < 0.0 => FluidRegime::Clipped,
+            FluidRegime::Free => FluidRegime::Limited,
+        };
+    }
+
+    /// Torque of the spring at a node `travel` away from the state `x`, N m; zero for the other laws.
+    #[inline]
+    pub(crate) fn spring(&self, input: &FluidInput, x: &State, travel: f64) -> f64 {
+        let FluidLaw::Spring { stiffness, .. } = *self else { return 0.0 };
+        match x.fluid_regime {
+            _ if x.motion.sign() == 0.0 => x.spring_torque.clamp(-input.yield_torque, input.yield_torque),
+            FluidRegime::Free => x.spring_torque + stiffness * travel,
+            FluidRegime::Limited => x.motion.sign() * input.yield_torque,
+            FluidRegime::Clipped => -x.motion.sign() * input.yield_torque,
+        }
+    }
+
+    /// Drag of the fluid while sliding, signed like the motion, N m, at a node `travel` away from the state `x`.
+    #[inline]
+    pub(crate) fn torque(&self, input: &FluidInput, x: &State, travel: f64, w: f64) -> f64 {
+        let dry = x.motion.sign() * input.level;
+        match *self {
+            FluidLaw::Field { .. } => dry,
+            FluidLaw::Spring { .. } => self.spring(input, x, travel),
+            FluidLaw::Viscosity { torque_limit } if x.fluid_regime == FluidRegime::Limited => {
+                dry + x.motion.sign() * torque_limit
+            }
+            FluidLaw::Viscosity { .. } => dry + input.viscosity * w,
+        }
+    }
+
+    /// Longest step for the spring, s.
+    pub(crate) fn longest_step(&self, inertia: f64) -> f64 {
+        match *self {
+            FluidLaw::Spring { stiffness, .. } => 0.25 * (inertia / stiffness).sqrt(),
+            _ => f64::INFINITY,
+        }
+    }
+}

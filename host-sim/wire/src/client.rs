@@ -1,0 +1,48 @@
+//! The host's side of the command link, over any stream of bytes: what is to be sent, and what has come in.
+
+use er_servo::link::{Answer, Command, Malformed, PACKET_BYTES, Packet, Receiver, Reply, encode};
+
+/// A session with a drive. It only makes and reads bytes; who carries them is not its business.
+#[derive(Debug, Default)]
+pub struct Client {
+    session: u32,
+    sequence: u32,
+    receiver: Receiver,
+    /// Answers that were damaged on the way.
+    pub damaged: u32,
+}
+
+impl Client {
+    /// A client that has not said hello.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// The bytes of a command, and the sequence number its answer will carry.
+    pub fn send(&mut self, command: Command) -> (u32, Vec<u8>) {
+        self.sequence += 1;
+        let packet = Packet { session: self.session, sequence: self.sequence, command };
+        let mut bytes = [0; PACKET_BYTES];
+        // Every command fits a packet, as the link's own tests show; an empty one is never answered.
+        let sent = encode(&packet, &mut bytes).map(<[u8]>::to_vec).unwrap_or_default();
+        // A leading zero ends whatever noise the line has picked up before.
+        (self.sequence, std::iter::once(0).chain(sent).collect())
+    }
+
+    /// Takes a byte; gives the answer that ended with it, if one did. An answer to a hello opens the session.
+    pub fn receive(&mut self, byte: u8) -> Option<Reply> {
+        match self.receiver.push::<Reply>(byte)? {
+            Ok(reply) => {
+                if let Answer::Hello { session, .. } = reply.answer {
+                    self.session = session;
+                    self.sequence = 0;
+                }
+                Some(reply)
+            }
+            Err(Malformed::Damaged | Malformed::Overlong) => {
+                self.damaged += 1;
+                None
+            }
+        }
+    }
+}

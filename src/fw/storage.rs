@@ -1,0 +1,111 @@
+//! The parameters' place in flash: sectors 1 and 2, 16 KiB each.
+
+use core::ops::Range;
+
+use embassy_futures::block_on;
+use embedded_storage_async::nor_flash::{ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash};
+use er_servo::Config;
+use er_servo::storage::{self, StorageError};
+use stm32f4xx_hal::flash::{self, FlashExt, LockedFlash};
+use stm32f4xx_hal::prelude::*;
+use stm32f4xx_hal::watchdog::IndependentWatchdog;
+
+use super::board::WATCHDOG_MS;
+use super::tick;
+
+/// Offsets from the start of flash; memory.x keeps the image out of it.
+const RANGE: Range<u32> = 0x4000..0xC000;
+const SECTOR_BYTES: u32 = 0x4000;
+/// Erasing a 16 KiB sector byte by byte takes 400 ms, at most 800 (datasheet table 48), and the core stands still.
+const ERASE_WATCHDOG_MS: u32 = 2000;
+
+/// The parameters in flash.
+pub struct Storage {
+    flash: LockedFlash,
+}
+
+impl Storage {
+    /// On the flash interface.
+    pub fn new(flash: LockedFlash) -> Self {
+        Self { flash }
+    }
+
+    /// The stored set.
+    pub fn load(&mut self) -> Result<Config, StorageError> {
+        block_on(storage::load(Parameters { flash: &mut self.flash }, RANGE))
+    }
+
+    /// Stores the set, with ticks paused and the watchdog patient.
+    pub fn save(&mut self, config: &Config, watchdog: &mut IndependentWatchdog) -> Result<(), StorageError> {
+        tick::paused(|| {
+            watchdog.start(ERASE_WATCHDOG_MS.millis());
+            let saved = block_on(storage::save(Parameters { flash: &mut self.flash }, RANGE, config));
+            watchdog.start(WATCHDOG_MS.millis());
+            saved
+        })
+    }
+}
+
+/// The two sectors, for the storage crate.
+struct Parameters<'a> {
+    flash: &'a mut LockedFlash,
+}
+
+/// The flash interface reported an error, or the place is not that of the parameters.
+#[derive(Debug)]
+struct Failed;
+
+impl NorFlashError for Failed {
+    fn kind(&self) -> NorFlashErrorKind {
+        NorFlashErrorKind::Other
+    }
+}
+
+impl From<flash::Error> for Failed {
+    fn from(_: flash::Error) -> Self {
+        Self
+    }
+}
+
+impl ErrorType for Parameters<'_> {
+    type Error = Failed;
+}
+
+impl ReadNorFlash for Parameters<'_> {
+    const READ_SIZE: usize = 1;
+
+    async fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), Failed> {
+        let stored = self.flash.read().get(offset as usize..).and_then(|rest| rest.get(..bytes.len())).ok_or(Failed)?;
+        bytes.copy_from_slice(stored);
+        Ok(())
+    }
+
+    fn capacity(&self) -> usize {
+        RANGE.end as usize
+    }
+}
+
+impl NorFlash for Parameters<'_> {
+    const WRITE_SIZE: usize = 4;
+    const ERASE_SIZE: usize = SECTOR_BYTES as usize;
+
+    async fn erase(&mut self, from: u32, to: u32) -> Result<(), Failed> {
+        let sectors = from / SECTOR_BYTES..to / SECTOR_BYTES;
+        if !RANGE.contains(&from) || to > RANGE.end {
+            return Err(Failed);
+        }
+        let mut unlocked = self.flash.unlocked();
+        for sector in sectors {
+            unlocked.erase(sector as u8)?;
+        }
+        Ok(())
+    }
+
+    async fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), Failed> {
+        if !RANGE.contains(&offset) {
+            return Err(Failed);
+        }
+        self.flash.unlocked().program(offset as usize, bytes.iter())?;
+        Ok(())
+    }
+}
