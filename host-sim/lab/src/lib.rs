@@ -11,6 +11,7 @@ pub mod output;
 pub mod plot;
 pub mod progress;
 pub mod read;
+pub mod refit;
 pub mod replay;
 pub mod report;
 pub mod residual;

@@ -4,6 +4,7 @@ use super::{Covariance, equivalents, intervals};
 use crate::Error;
 use crate::effects::{Effect, Physics};
 use crate::read::vocabulary;
+use crate::refit::{HORIZON_S, Windows};
 use crate::read::{AxisKind, Machine, Recording};
 use crate::report::{Answer, EffectAnswer, Evidence, FitAnswer, Interval, Rejected, Verdict};
 use crate::screen::{Fit, MAX_P, MIN_GAIN, Motion, Outcome, Problem, Refitter, Search};
@@ -78,7 +79,7 @@ pub fn diagnose(request: &Request<'_>) -> Result<Diagnosis, Error> {
         schema: 1,
         verdict,
         effects,
-        fit: fit_answer(&outcome),
+        fit: fit_answer(request, &outcome, &nominal, &improved)?,
         locations: Vec::new(),
         regions: Vec::new(),
         rejected: rejected.map(|t| Rejected { id: t.effect.id.to_owned(), heldout_gain: t.gain, why: why(t.gain, t.p_value) }).collect(),
@@ -116,7 +117,7 @@ fn effect_answer(
     let evidence = Evidence {
         heldout_gain: 1.0 - (fit.heldout_sse() / without.heldout_sse().max(1e-300)).sqrt(),
         p_value: (refitter.p_value(&without, fit) * outcome.variants as f64).min(1.0),
-        excess_explained: (without.sse - fit.sse) / (without.sse - floor.min(fit.sse)).max(1e-300),
+        excess_explained: explained(without.sse, fit.sse, floor),
     };
     let axis = request.machine.axis.kind;
     let names = vocabulary::effect(entry.effect.id).map_or(&[] as &[vocabulary::Parameter], |kind| kind.parameters);
@@ -146,16 +147,33 @@ fn effect_answer(
     }
 }
 
-fn fit_answer(outcome: &Outcome) -> FitAnswer {
-    let count = outcome.fit.residual_count();
-    FitAnswer {
-        before_rms: (outcome.nominal.sse / count).sqrt(),
-        after_rms: (outcome.fit.sse / count).sqrt(),
-        heldout_before_rms: (outcome.nominal.heldout_sse() / count).sqrt(),
-        heldout_after_rms: (outcome.fit.heldout_sse() / count).sqrt(),
-        noise_floor_rms: 1.0,
-        excess_explained: (outcome.nominal.sse - outcome.fit.sse) / (outcome.nominal.sse - count.min(outcome.fit.sse)).max(1e-300),
-        unit: "1".to_owned(),
-        horizon_s: 0.05,
-    }
+fn fit_answer(request: &Request<'_>, outcome: &Outcome, nominal: &Physics, improved: &Physics) -> Result<FitAnswer, Error> {
+    let fitted = request.recordings;
+    let (before, after) = (Windows::new(nominal, fitted, 0)?.rms(), Windows::new(improved, fitted, 0)?.rms());
+    let first = fitted.len();
+    let (heldout_before, heldout_after) = if request.holdout.is_empty() {
+        let share = |fit: &Fit| (fit.heldout_sse() / fit.sse.max(1e-300)).sqrt();
+        (before * share(&outcome.nominal), after * share(&outcome.fit))
+    } else {
+        let rms = |physics| Windows::new(physics, request.holdout, first).map(|windows| windows.rms());
+        (rms(nominal)?, rms(improved)?)
+    };
+    let floor = outcome.fit.residual_count();
+    let unit = if request.machine.axis.kind == AxisKind::Linear { "m" } else { "rad" };
+    Ok(FitAnswer {
+        before_rms: before,
+        after_rms: after,
+        heldout_before_rms: heldout_before,
+        heldout_after_rms: heldout_after,
+        noise_floor_rms: after * (floor / outcome.fit.sse.max(floor)).sqrt(),
+        excess_explained: explained(outcome.nominal.sse, outcome.fit.sse, floor),
+        unit: unit.to_owned(),
+        horizon_s: HORIZON_S,
+    })
+}
+
+/// Share of the excess of a sum of squares over a floor that is gone, 1; 1 where there was none.
+fn explained(before: f64, after: f64, floor: f64) -> f64 {
+    let excess = before - floor.min(after);
+    if excess <= 0.0 { 1.0 } else { (before - after) / excess }
 }

@@ -1,0 +1,5 @@
+//! Diagnosis of recordings made by the plant with one thing changed that the nominal model does not know.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+mod cases;
+mod score;
