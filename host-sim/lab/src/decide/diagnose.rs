@@ -1,6 +1,8 @@
 //! From recordings to the answer.
 
 use super::{Covariance, equivalents, intervals};
+use rayon::prelude::*;
+
 use crate::Error;
 use crate::effects::{Effect, Physics};
 use crate::read::vocabulary;
@@ -39,12 +41,18 @@ pub struct Diagnosis {
 /// Recordings too short to say anything.
 pub fn diagnose(request: &Request<'_>) -> Result<Diagnosis, Error> {
     let nominal = Physics::nominal(request.machine);
-    let prepare = |recordings: &[Recording]| -> Vec<Motion> {
-        recordings.iter().map(|r| Motion::new(r, &nominal, request.machine.axis.resolution)).collect()
-    };
-    let problem = Problem::new(prepare(request.recordings), nominal.clone());
+    let resolution = request.machine.axis.resolution;
+    let motions = request.recordings.par_iter().map(|r| Motion::new(r, &nominal, resolution)).collect();
+    let mut problem = Problem::new(motions, nominal.clone());
     let linear = request.machine.axis.kind == AxisKind::Linear;
-    let outcome = Search::new(&problem, request.vocabulary, linear).run();
+    let mut outcome = Search::new(&problem, request.vocabulary, linear).run(&[]);
+    if !outcome.fit.active.is_empty() {
+        // The smoother knew the nominal torques only; with those of the improved machine the reversals are where they were.
+        let found = problem.machine(&outcome.fit.active);
+        let motions = problem.motions.par_iter().enumerate().map(|(index, m)| m.again(&found, index, resolution)).collect();
+        problem = Problem::new(motions, nominal.clone());
+        outcome = Search::new(&problem, request.vocabulary, linear).run(&outcome.fit.active);
+    }
     if std::env::var("DIAG").is_ok() {
         for (i, m) in problem.motions.iter().enumerate() {
             let rest = m.at_rest.iter().filter(|r| **r).count();

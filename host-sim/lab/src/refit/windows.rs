@@ -9,6 +9,9 @@ use crate::residual::{Residual, residual};
 /// Length of the windows that an answer reports, s.
 pub const HORIZON_S: f64 = 0.05;
 
+/// What was commanded before the first row is not known, and acts this long, s.
+const SETTLE_S: f64 = 0.03;
+
 /// Short windows of one machine over some recordings.
 #[derive(Debug)]
 pub struct Windows {
@@ -23,8 +26,13 @@ impl Windows {
     /// A recording too short for one window, or a machine that cannot be simulated.
     pub fn new(physics: &Physics, recordings: &[Recording], first: usize) -> Result<Self, Error> {
         let each = recordings.iter().enumerate();
-        let residuals = each.map(|(index, recording)| residual(&model(physics, first + index), recording, HORIZON_S));
-        Ok(Self { residuals: residuals.collect::<Result<_, _>>()? })
+        let residuals = each.map(|(index, recording)| {
+            let mut all = residual(&model(physics, first + index), recording, HORIZON_S)?;
+            let settled_s = recording.t_s[0] + SETTLE_S;
+            all.windows.retain(|window| recording.t_s[window.start] >= settled_s);
+            Ok(all)
+        });
+        Ok(Self { residuals: residuals.collect::<Result<_, Error>>()? })
     }
 
     /// Root mean square over all samples of all windows, rad (m); 0 without any.

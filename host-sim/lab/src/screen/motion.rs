@@ -1,7 +1,8 @@
 //! One recording prepared: repaired samples, smoothed motion, where the direction is known and where the rotor rests.
 
 use super::actuation::{Chain, chain_means, held_means};
-use super::smoother::smooth;
+use super::balance;
+use super::smoother::{Smoothed, smooth};
 use crate::effects::Physics;
 use crate::read::{Mode, Recording};
 
@@ -9,6 +10,9 @@ use crate::read::{Mode, Recording};
 const BRIDGED_S: f64 = 3e-3;
 /// Direction is not trusted this close to rest, s.
 const MARGIN_S: f64 = 3e-3;
+
+/// Below this share of the largest speed the direction is not trusted.
+const SLOW_SHARE: f64 = 3e-3;
 
 /// An isolated wrong sample that was repaired.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -31,8 +35,6 @@ pub struct Motion {
     pub(crate) smooth: Vec<f64>,
     /// Smoothed speed at the samples.
     pub(crate) speed: Vec<f64>,
-    /// Acceleration that the nominal machine does not explain, at the samples.
-    pub(crate) unexplained: Vec<f64>,
     /// Mean position of each cell.
     pub(crate) cell_position: Vec<f64>,
     /// Mean speed of each cell: difference of the smoothed positions.
@@ -76,18 +78,13 @@ impl Motion {
         let second = smooth(&t_s, &position, &acceleration(&drag), resolution);
         let (cell_sign, at_rest) = directions(&t_s, &second.speed, &second.speed_deviation, &still, resolution);
         let broken = t_s.windows(2).map(|pair| pair[1] - pair[0] > BRIDGED_S.max(2.6 * period_s)).collect();
-        let mean_of_pairs = |v: &[f64]| v.windows(2).map(|pair| 0.5 * (pair[0] + pair[1])).collect::<Vec<_>>();
-        let rate = |v: &[f64]| -> Vec<f64> {
-            v.windows(2).zip(t_s.windows(2)).map(|(v, t)| (v[1] - v[0]) / (t[1] - t[0])).collect()
-        };
-        Self {
+        let mut motion = Self {
             name: recording.name.clone(),
-            cell_position: mean_of_pairs(&second.position),
-            cell_speed: rate(&second.position),
+            cell_position: Vec::new(),
+            cell_speed: Vec::new(),
             speed_estimate: recording.velocity.clone().unwrap_or_else(|| rebuilt_speed(&t_s, &position)),
-            smooth: second.position,
-            speed: second.speed,
-            unexplained: second.unexplained,
+            smooth: Vec::new(),
+            speed: Vec::new(),
             cell_sign,
             at_rest,
             broken,
@@ -95,11 +92,44 @@ impl Motion {
             field: recording.field_cmd_kv_mm.clone(),
             braking: recording.mode.as_ref().map(|mode| mode.iter().map(|&m| m == Mode::Brake).collect()),
             glitches,
-            noise: second.noise,
+            noise: 0.0,
             period_s,
             t_s,
             position,
-        }
+        };
+        motion.take(second);
+        motion
+    }
+
+    /// The same recording smoothed with the torques of another machine: with those of the improved one, reversals are
+    /// where they were.
+    pub(crate) fn again(&self, machine: &Physics, recording: usize, resolution: f64) -> Self {
+        let still = still_cells(&self.t_s, &self.position, resolution);
+        let drive = balance::drive(machine, self);
+        let (damper, friction) = (balance::damper(machine, self), balance::friction(machine, self));
+        let external = balance::external(machine, self, recording);
+        let known: Vec<f64> = (0..self.cells())
+            .map(|cell| {
+                let torque = drive[cell] - damper[cell] - friction[cell] + external[cell];
+                if still[cell] { 0.0 } else { torque / machine.inertia }
+            })
+            .collect();
+        let smoothed = smooth(&self.t_s, &self.position, &known, resolution);
+        let mut motion = self.clone();
+        (motion.cell_sign, motion.at_rest) =
+            directions(&self.t_s, &smoothed.speed, &smoothed.speed_deviation, &still, resolution);
+        motion.take(smoothed);
+        motion
+    }
+
+    /// Takes the smoothed motion over.
+    fn take(&mut self, smoothed: Smoothed) {
+        let pairs = smoothed.position.windows(2);
+        self.cell_position = pairs.clone().map(|pair| 0.5 * (pair[0] + pair[1])).collect();
+        self.cell_speed = pairs.zip(self.t_s.windows(2)).map(|(q, t)| (q[1] - q[0]) / (t[1] - t[0])).collect();
+        self.smooth = smoothed.position;
+        self.speed = smoothed.speed;
+        self.noise = smoothed.noise;
     }
 
     /// Number of cells.
@@ -173,27 +203,12 @@ fn still_cells(t_s: &[f64], position: &[f64], resolution: f64) -> Vec<bool> {
 /// Mean sign of each cell, and where it is not known.
 fn directions(t_s: &[f64], speed: &[f64], deviation: &[f64], still: &[bool], resolution: f64) -> (Vec<f64>, Vec<bool>) {
     let peak = speed.iter().fold(0.0_f64, |peak, w| peak.max(w.abs()));
-    let floor = (2.0 * resolution / 10e-3).min(0.05 * peak).max(1e-3 * peak);
+    let floor = (2.0 * resolution / 10e-3).min(0.05 * peak).max(SLOW_SHARE * peak);
     let unsure = |row: usize| speed[row].abs() < (3.0 * deviation[row]).min(0.1 * peak).max(floor);
     let cells = t_s.len() - 1;
-    let mut rest: Vec<bool> = (0..cells).map(|cell| still[cell] || unsure(cell) || unsure(cell + 1)).collect();
-    let mut cell = 0;
-    while cell < cells {
-        if !rest[cell] {
-            cell += 1;
-            continue;
-        }
-        let from = cell;
-        while cell < cells && rest[cell] {
-            cell += 1;
-        }
-        // A quick passage through zero is a reversal whose instant is known well enough.
-        let reverses = from > 0 && cell < cells && speed[from] * speed[cell] < 0.0;
-        let quick = t_s[cell] - t_s[from] <= MARGIN_S && !still[from..cell].iter().any(|&still| still);
-        if reverses && quick {
-            rest[from..cell].iter_mut().for_each(|rest| *rest = false);
-        }
-    }
+    let reverses = |cell: usize| speed[cell] * speed[cell + 1] <= 0.0;
+    let rest: Vec<bool> =
+        (0..cells).map(|cell| still[cell] || unsure(cell) || unsure(cell + 1) || reverses(cell)).collect();
     let sign = (0..cells).map(|cell| if still[cell] { 0.0 } else { mean_sign(speed[cell], speed[cell + 1]) }).collect();
     (sign, widened(t_s, &rest))
 }

@@ -231,9 +231,13 @@ impl<'a> Search<'a> {
         rivals.min_by_key(|trial| trial.fit.freedom()).or(Some(best))
     }
 
-    /// Runs the search.
-    pub fn run(mut self) -> Outcome {
-        let mut fit = self.fitter().fit(&[], 0);
+    /// Runs the search from a model; without one from the nominal machine.
+    pub fn run(mut self, start: &[Active]) -> Outcome {
+        if !start.is_empty() {
+            self.weigh(start);
+        }
+        let mut fit = self.fitter().fit(start, ITERATIONS);
+        fit = self.backward(fit);
         let mut seen: Vec<Trial> = Vec::new();
         // A step that the next one takes back would repeat for ever.
         for _ in 0..MAX_ENTRIES {

@@ -15,8 +15,6 @@ pub(crate) struct Smoothed {
     pub speed: Vec<f64>,
     /// Standard deviation of the speed.
     pub speed_deviation: Vec<f64>,
-    /// Acceleration beyond the known one, rad/s2 (m/s2).
-    pub unexplained: Vec<f64>,
     /// Standard deviation of the position samples, rad (m).
     pub noise: f64,
 }
@@ -115,7 +113,6 @@ pub(crate) fn smooth(t_s: &[f64], position: &[f64], known: &[f64], resolution: f
         position: vec![0.0; count],
         speed: vec![0.0; count],
         speed_deviation: vec![0.0; count],
-        unexplained: vec![0.0; count],
         noise: variance.sqrt(),
     };
     for index in (0..count).rev() {
@@ -134,7 +131,6 @@ pub(crate) fn smooth(t_s: &[f64], position: &[f64], known: &[f64], resolution: f
         }
         out.position[index] = mean[0];
         out.speed[index] = mean[1];
-        out.unexplained[index] = mean[2];
         out.speed_deviation[index] = (covariance[(1, 1)].max(0.0) * variance).sqrt();
     }
     out
