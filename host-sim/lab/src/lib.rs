@@ -7,6 +7,7 @@ pub mod cli;
 pub mod decide;
 pub mod effects;
 pub mod error;
+pub mod locate;
 pub mod output;
 pub mod plot;
 pub mod progress;

@@ -1,5 +1,6 @@
 //! The decision: intervals, equivalents, what is left over, and the verdict.
 
+mod controller;
 mod diagnose;
 mod equivalents;
 mod intervals;

@@ -8,6 +8,7 @@ mod cogging;
 mod compliance;
 mod coulomb_friction;
 mod disturbance_pulse;
+mod entries;
 mod er_drift;
 mod er_preyield;
 mod er_strength;

@@ -36,7 +36,7 @@ pub(crate) fn damper(physics: &Physics, motion: &Motion) -> Vec<f64> {
         Some(viscosity) => viscosity_level(damper, viscosity, motion, field, physics.latency_s),
     };
     for (level, t_s) in level.iter_mut().zip(&motion.t_s) {
-        *level *= damper.scale * (1.0 + damper.drift_per_s * t_s);
+        *level *= damper.scale * (1.0 + damper.drift_per_s * t_s).max(0.0);
     }
     if damper.preyield.is_finite() {
         return internal::bristle(motion, damper.preyield, &level);
@@ -85,7 +85,7 @@ pub(crate) fn friction(physics: &Physics, motion: &Motion) -> Vec<f64> {
         else { physics.stribeck_excess * (-(w / physics.stribeck_velocity).powi(2)).exp() }
     };
     let cells = motion.cell_speed.iter().zip(&motion.cell_sign);
-    let level: Vec<f64> = cells.clone().map(|(w, s)| physics.coulomb + excess(*w) + 0.5 * physics.asymmetry * s).collect();
+    let level: Vec<f64> = cells.clone().map(|(w, s)| (physics.coulomb + excess(*w) + 0.5 * physics.asymmetry * s).max(0.0)).collect();
     let dry = if physics.presliding.is_finite() {
         internal::dahl(motion, physics.presliding, &level)
     } else {

@@ -8,6 +8,8 @@ pub(crate) fn bristle(motion: &Motion, stiffness: f64, level: &[f64]) -> Vec<f64
     let mut force: f64 = 0.0;
     let mut means = Vec::with_capacity(level.len());
     for (cell, &limit) in level.iter().enumerate() {
+        // A level is a size; rounding of the means may leave a hair below zero.
+        let limit = limit.max(0.0);
         let stretch = stiffness * (motion.smooth[cell + 1] - motion.smooth[cell]);
         let before = force.clamp(-limit, limit);
         force = (before + stretch).clamp(-limit, limit);

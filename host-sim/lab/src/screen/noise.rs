@@ -3,7 +3,7 @@
 use super::problem::Problem;
 
 /// Model form is never exact: a share of the torque that no answer is built on.
-const FORM_SHARE: f64 = 1e-3;
+const FORM_SHARE: f64 = 1.5e-3;
 /// Variance of a row minus the mean of its neighbours over that of a row, for white torque and half-width/2 spacing.
 const SHARED: f64 = 0.8;
 
