@@ -33,7 +33,9 @@ impl<C> Store for OnBus<C> {}
 impl<C: Chip + std::fmt::Debug + Send + 'static> Peer for OnBus<C> {
     fn transfer(&mut self, mosi: u32, bits: u8, _context: &mut Timeline<'_, '_>) -> u32 {
         // Both chips take whole bytes; a frame of 16 bits is two of them.
-        (0..bits / 8).rev().fold(0, |answer, nth| answer << 8 | u32::from(self.chip.transfer((mosi >> (8 * nth)) as u8)))
+        (0..bits / 8)
+            .rev()
+            .fold(0, |answer, nth| answer << 8 | u32::from(self.chip.transfer((mosi >> (8 * nth)) as u8)))
     }
 
     fn select(&mut self, context: &mut Timeline<'_, '_>) {

@@ -8,6 +8,7 @@
 
 pub mod bench;
 pub mod chip;
+pub mod host;
 pub mod machine;
 pub mod rotor;
 pub mod rtt;

@@ -9,6 +9,7 @@ use rigless::emulator::{AccessKind, Driver, Host, Settled, Stop};
 use rigless::session::Session;
 use rigless::time::VirtualNanos;
 
+use crate::host::Host as LinkHost;
 use crate::machine::{Port, ServoBoard};
 use crate::rotor::Rotor;
 use crate::rtt::Probe;
@@ -50,6 +51,8 @@ pub struct CommandSeen {
 pub struct World {
     /// The machine.
     pub rotor: Rotor,
+    /// The user at the far end of the command link.
+    pub link: LinkHost,
     /// The reader of the log; `None` when no probe is there.
     pub probe: Option<Probe>,
     /// Every write to the DAC's outputs, in order.
@@ -86,18 +89,24 @@ impl World {
     pub fn new(rotor: Rotor, until: VirtualNanos) -> Self {
         Self {
             rotor,
+            link: LinkHost::default(),
             probe: None,
             commands: Vec::new(),
             samples: Vec::new(),
             hits: Vec::new(),
             script: VecDeque::new(),
             until,
-            pins: Pins { sample: true, reset: true, ldac: true, clear: true, ..Pins::default() },
+            // Pins float low until the image makes outputs of them; the board's pull-downs say the same.
+            pins: Pins::default(),
         }
     }
 
     /// Does `act` at `at`; instants may come in any order.
-    pub fn at(&mut self, at: VirtualNanos, act: impl FnOnce(&mut Self, &mut ServoBoard, &mut dyn Host, VirtualNanos) + Send + 'static) {
+    pub fn at(
+        &mut self,
+        at: VirtualNanos,
+        act: impl FnOnce(&mut Self, &mut ServoBoard, &mut dyn Host, VirtualNanos) + Send + 'static,
+    ) {
         let place = self.script.partition_point(|(when, _)| *when <= at);
         self.script.insert(place, (at, Box::new(act)));
     }
@@ -184,6 +193,9 @@ impl Driver<ServoBoard> for World {
             }
         }
         self.carry_pins(session.board_mut(), now);
+        if let Some(terminal) = session.board_mut().terminal() {
+            self.link.attend(terminal, now);
+        }
         if let Some(probe) = &mut self.probe {
             probe.drain(host);
         }

@@ -2,10 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::Error;
 use crate::read::{Machine, Recording};
 use crate::report::compare::Comparison;
 use crate::simulate::nominal;
+use crate::{Error, output};
 
 /// Flags of `compare`.
 #[derive(Debug, clap::Args)]
@@ -31,11 +31,11 @@ pub fn run(args: &Args) -> Result<(), Error> {
         args.recordings.iter().map(|file| Recording::read(file, Some(machine.axis.kind))).collect::<Result<_, _>>()?;
     for recording in &recordings {
         let comparison = Comparison::new(&nominal(&machine), &machine.axis, recording)?;
-        print!("{comparison}");
+        output::print(&comparison.to_string())?;
         let stem = Path::new(&recording.name).file_stem().unwrap_or_default().to_string_lossy();
         let file = args.plots.join(format!("compare-{stem}.svg"));
         comparison.figure(&format!("{} without what {} left out", recording.name, machine.name)).write(&file)?;
-        println!("wrote {}", file.display());
+        output::print(&format!("wrote {}\n", file.display()))?;
     }
     Ok(())
 }

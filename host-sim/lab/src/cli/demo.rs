@@ -32,39 +32,43 @@ pub struct Args {
 /// Outputs that cannot be written.
 pub fn run(args: &Args) -> Result<(), Error> {
     output::folder(&args.out)?;
-    println!("1. A 30 degree step, the very control law that is flashed, with and without the fluid's delay:");
+    output::print("1. A 30 degree step, the very control law that is flashed, with and without the fluid's delay:\n")?;
     let step = Shape::Step { amplitude_rad: std::f32::consts::FRAC_PI_6 };
     let prompt = responses(damped(0.0, 0.0), step, 0.4)?;
     let delayed = responses(damped(0.002, 0.003), step, 0.4)?;
     for (name, rows) in [("no delay", &prompt), ("2 ms dead time, 3 ms lag", &delayed)] {
-        println!("\n   {name}");
-        print!("{}", indented(&Summary::of(rows, PERIOD_S)));
+        output::print(&format!("\n   {name}\n"))?;
+        output::print(&indented(&Summary::of(rows, PERIOD_S)))?;
     }
     let picture = args.out.join("step.svg");
     step_figure(&prompt, &delayed).write(&picture)?;
-    println!("   wrote {}", picture.display());
+    output::print(&format!("   wrote {}\n", picture.display()))?;
 
-    println!("\n2. A recording of a machine whose field really waits 2 ms and lags 3 ms, with cold, stiff oil:");
+    output::print(
+        "\n2. A recording of a machine whose field really waits 2 ms and lags 3 ms, with cold, stiff oil:\n",
+    )?;
     let machine = Model { viscous: 0.25, ..damped(0.002, 0.003) };
     let rows = responses(machine, Shape::Steps { amplitude_rad: 0.4, dwell_s: 0.25, seed: 1 }, 8.0)?;
     let recording = record("demo.csv", &rows);
     let file = args.out.join("demo.csv");
     recording.write(&file)?;
-    println!("   wrote {}: {} rows, seed {SEED}", file.display(), rows.len());
+    output::print(&format!("   wrote {}: {} rows, seed {SEED}\n", file.display(), rows.len()))?;
 
-    println!("\n3. The same recording beside a nominal model that knows neither:\n");
+    output::print("\n3. The same recording beside a nominal model that knows neither:\n\n")?;
     let axis = Axis { kind: AxisKind::Rotary, sample_period_s: PERIOD_S, resolution: RESOLUTION_RAD };
     let comparison = Comparison::new(&damped(0.0, 0.0), &axis, &recording)?;
-    print!("{}", indented(&comparison));
+    output::print(&indented(&comparison))?;
     let picture = args.out.join("compare.svg");
     comparison.figure("demo.csv against a model without viscous friction and without field delay").write(&picture)?;
-    println!("   wrote {}", picture.display());
-    show_next(&args.out);
-    Ok(())
+    output::print(&format!("   wrote {}\n", picture.display()))?;
+    show_next(&args.out)
 }
 
-fn show_next(out: &Path) {
-    println!("\nNext: cargo lab replay {0}/demo.csv   cargo lab simulate --help   cargo lab --help", out.display());
+fn show_next(out: &Path) -> Result<(), Error> {
+    output::print(&format!(
+        "\nNext: cargo lab replay {0}/demo.csv   cargo lab simulate --help   cargo lab --help\n",
+        out.display()
+    ))
 }
 
 /// The paper's servo with a delay of the field, s.

@@ -2,9 +2,9 @@
 
 use std::path::PathBuf;
 
-use crate::Error;
 use crate::read::{Machine, Recording};
 use crate::replay::replay;
+use crate::{Error, output};
 
 /// Flags of `replay`.
 #[derive(Debug, clap::Args)]
@@ -33,7 +33,7 @@ pub fn run(args: &Args) -> Result<(), Error> {
     };
     for file in &args.recordings {
         let recording = Recording::read(file, axis)?;
-        println!("{}: {}", file.display(), replay(&recording, &config)?);
+        output::print(&format!("{}: {}\n", file.display(), replay(&recording, &config)?))?;
     }
     Ok(())
 }

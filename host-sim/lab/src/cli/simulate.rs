@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use er_servo::experiment::{Experiment, Shape};
 
 use super::machine::MachineArgs;
-use crate::Error;
 use crate::simulate::{Disturbance, Reference, Scenario, Setup, Summary, record, run as run_loop};
+use crate::{Error, output};
 
 /// The built-in scenarios.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
@@ -101,9 +101,9 @@ pub fn run(args: &Args) -> Result<(), Error> {
     if let Some(file) = &args.out {
         let name = file.file_name().unwrap_or_default().to_string_lossy();
         record(&name, &rows).write(file)?;
-        println!("wrote {}: {} rows, seed {}", file.display(), rows.len(), args.seed);
+        output::print(&format!("wrote {}: {} rows, seed {}\n", file.display(), rows.len(), args.seed))?;
     }
-    print!("{}", Summary::of(&rows, period_s));
+    output::print(&Summary::of(&rows, period_s).to_string())?;
     Ok(())
 }
 

@@ -65,8 +65,8 @@ impl<'a> Comparison<'a> {
     pub fn figure(&self, title: &str) -> Figure {
         let (r, u) = (self.recording, self.units);
         let position = Series::new("recorded", Mark::Line, r.t_s.iter().copied().zip(r.position.iter().copied()));
-        let mut panels =
-            vec![Panel::new("time (s)", &format!("position ({})", u.position), vec![position]), self.residual_panel()];
+        let mut panels = vec![Panel::new("time (s)", &format!("position ({})", u.position), vec![position])];
+        panels.extend(self.residuals.iter().map(|residual| self.residual_panel(residual)));
         let torque = format!("residual {} ({})", u.effort_name, u.effort);
         for map in self.maps.iter().filter(|map| map.channel != Channel::Direction && map.channel != Channel::Time) {
             let (name, unit) = self.channel_label(map.channel);
@@ -75,16 +75,12 @@ impl<'a> Comparison<'a> {
         Figure { title: title.to_owned(), panels }
     }
 
-    fn residual_panel(&self) -> Panel {
-        let r = self.recording;
-        let series = |residual: &Residual| {
-            let rows = residual.windows.iter().flat_map(|w| (w.start..w.end).zip(&w.residual));
-            let name = format!("windows of {:.0} ms", 1e3 * residual.horizon_s);
-            Series::new(&name, Mark::Line, rows.map(|(row, value)| (r.t_s[row], *value)))
-        };
-        let label = format!("recorded - simulated ({})", self.units.position);
-        // The longer windows leave more: they are drawn first, below.
-        Panel::new("time (s)", &label, self.residuals.iter().rev().map(series).collect())
+    /// The longer windows leave far more, so each length has a panel of its own.
+    fn residual_panel(&self, residual: &Residual) -> Panel {
+        let rows = residual.windows.iter().flat_map(|window| (window.start..window.end).zip(&window.residual));
+        let name = format!("windows of {:.0} ms", 1e3 * residual.horizon_s);
+        let series = Series::new(&name, Mark::Line, rows.map(|(row, value)| (self.recording.t_s[row], *value)));
+        Panel::new("time (s)", &format!("recorded - simulated ({})", self.units.position), vec![series])
     }
 
     fn map_series(&self, map: &Map) -> Vec<Series> {

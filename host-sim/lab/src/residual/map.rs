@@ -1,5 +1,7 @@
 //! Over which state the residual is largest.
 
+use std::f64::consts::TAU;
+
 use super::window::Residual;
 use crate::read::{AxisKind, Recording};
 
@@ -13,7 +15,7 @@ pub enum Channel {
     Direction,
     /// Mean speed of the window.
     Speed,
-    /// Mean position of the window, within a revolution on a rotary axis.
+    /// Mean position of the window; within a revolution where a rotary axis turns more than one.
     Position,
     /// Mean commanded field of the window.
     Field,
@@ -79,16 +81,18 @@ impl Map {
         if channel == Channel::Field && field.is_none() {
             return None;
         }
-        let turn = match recording.axis {
-            AxisKind::Rotary => std::f64::consts::TAU,
-            AxisKind::Linear => f64::INFINITY,
-        };
+        let (low, high) = recording
+            .position
+            .iter()
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), p| (low.min(*p), high.max(*p)));
+        // Only an axis that turns right round comes back to the same place at another position.
+        let turns = recording.axis == AxisKind::Rotary && high - low > TAU;
         let value = |start: usize, end: usize, speed: f64| match channel {
             Channel::Direction => speed.signum(),
             Channel::Speed => speed,
             Channel::Position => {
                 let position = mean(&recording.position[start..end]);
-                if turn.is_finite() { position.rem_euclid(turn) } else { position }
+                if turns { position.rem_euclid(TAU) } else { position }
             }
             Channel::Field => field.map_or(0.0, |field| mean(&field[start..end])),
             Channel::Time => mean(&recording.t_s[start..end]),

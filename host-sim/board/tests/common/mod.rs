@@ -1,0 +1,50 @@
+//! What every test on the emulated board begins with: the release image, and a world in which nothing is wrong.
+#![allow(dead_code, clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use std::path::{Path, PathBuf};
+
+use board::bench::Firmware;
+use board::machine::ServoBoard;
+use board::rotor::Rotor;
+use board::rtt::Probe;
+use board::world::{INTERLOCK, STOP_RELEASED, World};
+use rigless::emulator::Finished;
+use rigless::time::VirtualNanos;
+use wire::log::{Entry, Image};
+
+pub type Run = Finished<ServoBoard, World>;
+
+/// The image `cargo xtask firmware` builds, or the one `ER_SERVO_ELF` names.
+pub fn elf() -> PathBuf {
+    let built =
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("../../target/firmware/thumbv7em-none-eabihf/release/er-servo");
+    let elf = std::env::var_os("ER_SERVO_ELF").map_or(built, PathBuf::from);
+    assert!(elf.exists(), "{} is missing: run `cargo xtask firmware` first", elf.display());
+    elf
+}
+
+pub fn firmware() -> Firmware {
+    Firmware::read(&elf()).unwrap()
+}
+
+pub fn ms(ms: f64) -> VirtualNanos {
+    VirtualNanos((ms * 1e6) as u64)
+}
+
+/// Interlock closed, stop released, a probe that reads the log; ends after so many milliseconds.
+pub fn world(firmware: &Firmware, end_ms: f64) -> World {
+    let mut world = World::new(Rotor::paper(0.0123).unwrap(), ms(end_ms));
+    world.probe = Some(Probe { block: firmware.address("_SEGGER_RTT").unwrap(), bytes: Vec::new() });
+    world.drive_at(ms(0.0), INTERLOCK, true);
+    world.drive_at(ms(0.0), STOP_RELEASED, true);
+    world
+}
+
+pub fn log(run: &Run) -> Vec<Entry> {
+    let image = Image::parse(&std::fs::read(elf()).unwrap()).unwrap();
+    image.decode(&run.driver.probe.as_ref().unwrap().bytes).unwrap()
+}
+
+pub fn events(log: &[Entry]) -> Vec<String> {
+    log.iter().filter_map(|entry| if let Entry::Event(text) = entry { Some(text.clone()) } else { None }).collect()
+}

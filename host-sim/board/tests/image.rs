@@ -1,0 +1,87 @@
+//! The release image on the emulated board: boots, refuses, follows, records.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+mod common;
+
+use board::world::INTERLOCK;
+use common::{events, firmware, log, ms, world};
+use er_servo::drivers::scaling::{FieldCode, TorqueCode};
+use er_servo::experiment::{Experiment, Shape};
+use er_servo::link::{Answer, Command};
+use er_servo::{Params, Supervisor, step};
+use wire::log::recordings;
+
+#[test]
+fn boots_to_ready_and_ticks_at_2_khz() {
+    let firmware = firmware();
+    let mut world = world(&firmware, 300.0);
+    world.link.at(ms(250.0), Command::Status);
+    let run = firmware.run(world).unwrap();
+    assert_eq!(run.session.unmapped(), vec![], "every address the image touches exists");
+    assert!(run.session.resets().is_empty());
+    let events = events(&log(&run));
+    assert!(events[0].starts_with("er-servo"), "{events:?}");
+    assert!(events.iter().any(|event| event.ends_with("ready")), "{events:?}");
+    assert_eq!(run.driver.link.status().unwrap().state, 1);
+    let ticks = run.driver.samples.windows(2).skip(200).map(|pair| pair[1].0 - pair[0].0);
+    for period_ns in ticks {
+        assert!((499_000..501_000).contains(&period_ns), "{period_ns} ns");
+    }
+}
+
+#[test]
+fn refuses_to_enable_with_the_interlock_open() {
+    let firmware = firmware();
+    let mut world = world(&firmware, 300.0);
+    world.drive_at(ms(1.0), INTERLOCK, false);
+    world.link.at(ms(150.0), Command::Enable);
+    world.link.at(ms(250.0), Command::Status);
+    let run = firmware.run(world).unwrap();
+    assert_eq!(run.driver.link.status().unwrap().state, 1);
+    assert!(run.driver.commands.iter().all(|command| !command.hv_enable && command.codes == [0, 0]));
+}
+
+#[test]
+fn a_step_response_of_two_seconds_is_that_of_the_host_to_the_bit() {
+    let firmware = firmware();
+    let mut world = world(&firmware, 2400.0);
+    let step_up = Experiment { shape: Shape::Step { amplitude_rad: 0.523_598_8 }, duration_s: 2.0 };
+    world.link.at(ms(100.0), Command::StartRecording { run: 42 });
+    world.link.at(ms(150.0), Command::Enable);
+    world.link.at(ms(160.0), Command::Run(step_up));
+    world.link.at(ms(2300.0), Command::StopRecording);
+    world.link.at(ms(2320.0), Command::Status);
+    let run = firmware.run(world).unwrap();
+    assert!(run.driver.link.replies.iter().all(|(_, reply)| !matches!(reply.answer, Answer::Refused(_))));
+
+    let log = log(&run);
+    let recordings = recordings(&log);
+    let [recording] = recordings.as_slice() else { panic!("{} recordings", recordings.len()) };
+    assert_eq!((recording.begin.run, recording.lost(), recording.damaged), (42, 0, 0));
+    assert!(recording.frames.len() > 4300, "{} frames", recording.frames.len());
+
+    let params = Params::new(&recording.begin.config).unwrap();
+    let mut state = recording.begin.state;
+    for frame in &recording.frames {
+        let outputs = step(&params, &mut state, &frame.inputs);
+        assert_eq!(outputs.torque_nm.to_bits(), frame.outputs.torque_nm.to_bits(), "tick {}", frame.seq);
+        assert_eq!(outputs.field_kv_mm.to_bits(), frame.outputs.field_kv_mm.to_bits(), "tick {}", frame.seq);
+        assert_eq!(outputs, frame.outputs, "tick {}", frame.seq);
+        // And the frame is what the DAC was told: one write a tick, in the order of the ticks.
+        let torque = TorqueCode::from_torque_nm(outputs.torque_nm).bits();
+        let field = FieldCode::from_field_kv_mm(outputs.field_kv_mm).bits();
+        assert_eq!(written_in(&run, frame.seq), [torque, field], "tick {}", frame.seq);
+    }
+    // The machine has moved by 30 degrees and stands within what friction holds.
+    assert!((run.driver.rotor.angle_rad() - 0.0123 - 0.5236).abs() < 0.01, "{}", run.driver.rotor.angle_rad());
+    assert!(recording.frames.iter().any(|frame| frame.outputs.supervisor == Supervisor::Running));
+    println!("{:?}", run.driver.link.status());
+}
+
+/// Codes at the DAC after the write of a tick.
+fn written_in(run: &common::Run, seq: u32) -> [u16; 2] {
+    // The first two samples are those of the converter's start-up; a tick's write follows its sample.
+    let sample = run.driver.samples[seq as usize + 2];
+    let at = run.driver.commands.partition_point(|command| command.at <= sample);
+    run.driver.commands[at..].iter().find(|command| command.at > sample).unwrap().codes
+}
