@@ -21,6 +21,12 @@ pub struct Args {
     /// Writes the answer as JSON; `-` for standard output.
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
+    /// Writes the answer as one page that opens in a browser.
+    #[arg(long, value_name = "FILE")]
+    html: Option<PathBuf>,
+    /// Writes the machine file with the effects added, a model like any other.
+    #[arg(long, value_name = "FILE")]
+    write_model: Option<PathBuf>,
     /// Names only these effects; separated by commas.
     #[arg(long, value_name = "ID", value_delimiter = ',')]
     only: Vec<String>,
@@ -46,6 +52,9 @@ pub fn run(args: &Args) -> Result<(), Error> {
             .build_global()
             .map_err(|error| Error::Usage(format!("--jobs {jobs}: {error}")))?;
     }
+    if args.html.is_some() {
+        return Err(Error::Usage("--html is not there yet; --json holds everything it would show".to_owned()));
+    }
     let vocabulary = vocabulary(&args.only, &args.without)?;
     let machine = Machine::read(&args.machine)?;
     let read = |files: &[PathBuf]| -> Result<Vec<Recording>, Error> {
@@ -65,10 +74,18 @@ pub fn run(args: &Args) -> Result<(), Error> {
             output::write(file, |out| writeln!(out, "{text}"))?;
         }
     }
+    if let Some(file) = &args.write_model {
+        let text = report::improved_machine(&read_text(&args.machine)?, &diagnosis.answer);
+        output::write(file, |out| out.write_all(text.as_bytes()))?;
+    }
     if !to_stdout {
         print!("{}", report::summary(&diagnosis.answer));
     }
     Ok(())
+}
+
+fn read_text(file: &Path) -> Result<String, Error> {
+    std::fs::read_to_string(file).map_err(|error| Error::input(file, None, "", error.to_string()))
 }
 
 /// The effects that may be named.

@@ -1,9 +1,11 @@
 //! One file for each command: its flags and what it does with them.
 
 mod compare;
+mod demo;
 mod diagnose;
 mod machine;
 mod replay;
+mod simulate;
 mod stability;
 
 use crate::Error;
@@ -18,6 +20,8 @@ pub struct Cli {
 
 #[derive(Debug, clap::Subcommand)]
 enum Command {
+    /// Run the closed loop of the flashed control law and the simulated plant; write a recording.
+    Simulate(simulate::Args),
     /// Run the recorded inputs through the control law; name the first command that differs, to the bit.
     Replay(replay::Args),
     /// Drive the nominal model with the recorded commands; show where the position disagrees.
@@ -26,6 +30,8 @@ enum Command {
     Diagnose(diagnose::Args),
     /// Stability of the linear loop by four methods: margins, limits, area, picture.
     Stability(stability::StabilityArgs),
+    /// Do the main job on embedded data: loop, recording with something left out of the model, comparison.
+    Demo(demo::Args),
 }
 
 impl Cli {
@@ -35,10 +41,12 @@ impl Cli {
     /// Input that cannot be read, flags that cannot be followed, an output that cannot be written.
     pub fn run(&self) -> Result<(), Error> {
         match &self.command {
+            Command::Simulate(args) => simulate::run(args),
             Command::Replay(args) => replay::run(args),
             Command::Compare(args) => compare::run(args),
             Command::Diagnose(args) => diagnose::run(args),
             Command::Stability(args) => stability::run(args),
+            Command::Demo(args) => demo::run(args),
         }
     }
 }
