@@ -214,6 +214,9 @@ fn why(trial: &Trial, axis: AxisKind) -> String {
     if trial.p_value >= MAX_P {
         return format!("not significant after correction, p = {:.1e}", trial.p_value);
     }
+    if !trial.accepted() {
+        return format!("its gain is not in enough of the blocks, t = {:.1} over blocks", trial.t);
+    }
     let names = vocabulary::effect(trial.effect.id).map_or(&[] as &[vocabulary::Parameter], |kind| kind.parameters);
     let values = trial.fit.active.last().map_or(Vec::new(), |entry| (entry.effect.report)(&entry.values));
     let found: Vec<String> =

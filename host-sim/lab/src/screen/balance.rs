@@ -85,7 +85,7 @@ pub(crate) fn friction(physics: &Physics, motion: &Motion) -> Vec<f64> {
         else { physics.stribeck_excess * (-(w / physics.stribeck_velocity).powi(2)).exp() }
     };
     let cells = motion.cell_speed.iter().zip(&motion.cell_sign);
-    let level: Vec<f64> = cells.clone().map(|(w, s)| (physics.coulomb + excess(*w) + 0.5 * physics.asymmetry * s).max(0.0)).collect();
+    let level: Vec<f64> = cells.clone().map(|(w, s)| physics.coulomb + excess(*w) + 0.5 * physics.asymmetry * s).collect();
     let dry = if physics.presliding.is_finite() {
         internal::dahl(motion, physics.presliding, &level)
     } else {

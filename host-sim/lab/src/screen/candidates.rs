@@ -59,6 +59,11 @@ pub(crate) fn excitation(problem: &Problem, physics: &Physics, residual: &[f64],
     }
 }
 
+/// Orders over position that stand out of a residual, N m (N), best first.
+pub(crate) fn orders_left(problem: &Problem, residual: &[f64], excitation: &Excitation) -> Vec<f64> {
+    orders(&points(problem, residual, 0), excitation.travel, excitation.linear)
+}
+
 /// Share of the variance that a sine explains, by Lomb's normalisation.
 fn power(points: &[Point], phase: impl Fn(&Point) -> f64) -> f64 {
     let (mut ss, mut cc, mut sc, mut ys, mut yc) = (0.0, 0.0, 0.0, 0.0, 0.0);

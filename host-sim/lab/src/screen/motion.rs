@@ -73,10 +73,12 @@ impl Motion {
         };
         // The first pass finds the direction; the second knows the drag, so that its reversal is not smoothed away.
         let first = smooth(&t_s, &position, &acceleration(&vec![0.0; drive.len()]), resolution);
-        let (sign, _) = directions(&t_s, &first.speed, &first.speed_deviation, &still, resolution);
+        let level = nominal_drag(recording, nominal, &vec![1.0; drive.len()], &first.position);
+        let passes = passes(&drive, &level, &still);
+        let (sign, _) = directions(&t_s, &first, &passes, &still, resolution);
         let drag = nominal_drag(recording, nominal, &sign, &first.position);
         let second = smooth(&t_s, &position, &acceleration(&drag), resolution);
-        let (cell_sign, at_rest) = directions(&t_s, &second.speed, &second.speed_deviation, &still, resolution);
+        let (cell_sign, at_rest) = directions(&t_s, &second, &passes, &still, resolution);
         let broken = t_s.windows(2).map(|pair| pair[1] - pair[0] > BRIDGED_S.max(2.6 * period_s)).collect();
         let mut motion = Self {
             name: recording.name.clone(),
@@ -116,8 +118,11 @@ impl Motion {
             .collect();
         let smoothed = smooth(&self.t_s, &self.position, &known, resolution);
         let mut motion = self.clone();
-        (motion.cell_sign, motion.at_rest) =
-            directions(&self.t_s, &smoothed.speed, &smoothed.speed_deviation, &still, resolution);
+        motion.cell_sign.fill(1.0);
+        let level: Vec<f64> =
+            balance::damper(machine, &motion).iter().zip(balance::friction(machine, &motion)).map(|(a, b)| a + b).collect();
+        let passes = passes(&drive, &level, &still);
+        (motion.cell_sign, motion.at_rest) = directions(&self.t_s, &smoothed, &passes, &still, resolution);
         motion.take(smoothed);
         motion
     }
@@ -200,15 +205,41 @@ fn still_cells(t_s: &[f64], position: &[f64], resolution: f64) -> Vec<bool> {
         .collect()
 }
 
+/// Cells in which the drive overcomes the drag by far, so that a reversal does not stop there.
+fn passes(drive: &[f64], level: &[f64], still: &[bool]) -> Vec<bool> {
+    let cells = drive.iter().zip(level).zip(still);
+    cells.map(|((drive, level), still)| !still && drive.abs() > 1.5 * level.abs()).collect()
+}
+
 /// Mean sign of each cell, and where it is not known.
-fn directions(t_s: &[f64], speed: &[f64], deviation: &[f64], still: &[bool], resolution: f64) -> (Vec<f64>, Vec<bool>) {
+fn directions(
+    t_s: &[f64],
+    motion: &Smoothed,
+    passes: &[bool],
+    still: &[bool],
+    resolution: f64,
+) -> (Vec<f64>, Vec<bool>) {
+    let speed = &motion.speed;
     let peak = speed.iter().fold(0.0_f64, |peak, w| peak.max(w.abs()));
     let floor = (2.0 * resolution / 10e-3).min(0.05 * peak).max(SLOW_SHARE * peak);
-    let unsure = |row: usize| speed[row].abs() < (3.0 * deviation[row]).min(0.1 * peak).max(floor);
+    let unsure = |row: usize| speed[row].abs() < (3.0 * motion.speed_deviation[row]).min(0.1 * peak).max(floor);
     let cells = t_s.len() - 1;
     let reverses = |cell: usize| speed[cell] * speed[cell + 1] <= 0.0;
-    let rest: Vec<bool> =
+    let mut rest: Vec<bool> =
         (0..cells).map(|cell| still[cell] || unsure(cell) || unsure(cell + 1) || reverses(cell)).collect();
+    let mut cell = 0;
+    while cell < cells {
+        let from = cell;
+        while cell < cells && rest[cell] {
+            cell += 1;
+        }
+        // A quick passage through zero under a torque that nothing holds is a reversal whose instant is known.
+        let quick = cell > from && t_s[cell] - t_s[from] <= MARGIN_S;
+        if quick && passes[from..cell].iter().all(|&passes| passes) {
+            rest[from..cell].fill(false);
+        }
+        cell += 1;
+    }
     let sign = (0..cells).map(|cell| if still[cell] { 0.0 } else { mean_sign(speed[cell], speed[cell + 1]) }).collect();
     (sign, widened(t_s, &rest))
 }

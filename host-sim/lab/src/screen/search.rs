@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
-use super::candidates::excitation;
+use super::candidates::{excitation, orders_left};
 use super::fit::{Fit, Fitter};
 use super::noise::deviations;
 use super::problem::{Active, Problem};
@@ -13,6 +13,8 @@ use crate::effects::{Effect, Excitation};
 pub const MIN_GAIN: f64 = 0.03;
 /// Largest p-value, after correction for every variant tried.
 pub const MAX_P: f64 = 1e-3;
+/// Least t of the improvement over blocks: what a few neighbouring residuals share is no evidence.
+const MIN_T: f64 = 3.0;
 /// Effects of a combination at most, orders of cogging counted as one.
 const MAX_EFFECTS: usize = 4;
 /// Entries at most: several orders of cogging are one effect.
@@ -33,12 +35,14 @@ pub struct Trial {
     pub gain: f64,
     /// Of the improvement, corrected for every variant tried.
     pub p_value: f64,
+    /// t of the held-out improvement, paired over blocks; infinite for an event, which is in one block only.
+    pub t: f64,
 }
 
 impl Trial {
-    /// Whether it passes both tests.
+    /// Whether it passes all tests.
     pub fn accepted(&self) -> bool {
-        self.gain >= MIN_GAIN && self.p_value < MAX_P
+        self.gain >= MIN_GAIN && self.p_value < MAX_P && self.t >= MIN_T
     }
 }
 
@@ -188,7 +192,37 @@ impl<'a> Search<'a> {
             starts = scored.into_iter().take(FINALISTS).map(|(_, entry)| entry).collect();
         }
         let fits = starts.iter().map(|entry| fitter.fit_on(&with(entry), ITERATIONS, &known));
-        fits.min_by(|a, b| a.sse.total_cmp(&b.sse)).map(|fit| (fit, variants))
+        let best = fits.min_by(|a, b| a.sse.total_cmp(&b.sse))?;
+        let best = if effect.id == "cogging" { self.more_orders(base, best, effect) } else { best };
+        Some((best, variants))
+    }
+
+    /// Cogging is one effect of several orders: adds them while each predicts better.
+    fn more_orders(&self, base: &Fit, first: Fit, effect: &'static Effect) -> Fit {
+        let fitter = self.fitter();
+        let mut best = first;
+        if 1.0 - (best.heldout_sse() / base.heldout_sse()).sqrt() < 0.5 * MIN_GAIN {
+            return best;
+        }
+        while best.active.len() < MAX_ENTRIES {
+            let raw: Vec<f64> = best.residual.iter().zip(&self.weights).map(|(r, w)| r / w).collect();
+            let orders = orders_left(self.problem, &raw, &self.excitation);
+            let size = 0.02 * self.excitation.torque_rms;
+            let entry = orders.first().map(|&order| {
+                let values = vec![order, size, size];
+                let ranges = effect.ranges(values.len(), &self.problem.nominal, &self.excitation);
+                Active { effect, values, ranges }
+            });
+            let Some(entry) = entry.filter(|entry| !duplicate(&best.active, entry)) else { break };
+            let known = fitter.base(&best);
+            let more = fitter.fit_on(&[best.active.as_slice(), &[entry]].concat(), ITERATIONS, &known);
+            let gain = 1.0 - (more.heldout_sse() / best.heldout_sse()).sqrt();
+            if gain < MIN_GAIN {
+                break;
+            }
+            best = more;
+        }
+        best
     }
 
     /// Every effect that fits on top of a model, best held-out first.
@@ -213,13 +247,13 @@ impl<'a> Search<'a> {
 
     fn judge(&self, base: &Fit, effect: &'static Effect, fit: Fit, variants: usize) -> Trial {
         let p_value = (p_value(self.problem, base, &fit) * variants as f64).min(1.0);
-        let (before, after) = if effect.id == "disturbance_pulse" {
+        let (before, after, t) = if effect.id == "disturbance_pulse" {
             // One event cannot be predicted from the other blocks; its own recording is its evidence.
-            (base.sse, fit.sse)
+            (base.sse, fit.sse, f64::INFINITY)
         } else {
-            (base.heldout_sse(), fit.heldout_sse())
+            (base.heldout_sse(), fit.heldout_sse(), paired_t(base, &fit))
         };
-        Trial { effect, fit, gain: 1.0 - (after / before.max(1e-300)).sqrt(), p_value }
+        Trial { effect, fit, gain: 1.0 - (after / before.max(1e-300)).sqrt(), p_value, t }
     }
 
     /// Among accepted trials, the simplest that predicts not significantly worse than the best.
@@ -240,7 +274,7 @@ impl<'a> Search<'a> {
         fit = self.backward(fit);
         let mut seen: Vec<Trial> = Vec::new();
         // A step that the next one takes back would repeat for ever.
-        for _ in 0..MAX_ENTRIES {
+        for _ in 0..=MAX_EFFECTS {
             let trials = self.round(&fit);
             let chosen = self.choose(&trials).cloned();
             merge(&mut seen, &trials);
@@ -275,7 +309,7 @@ impl<'a> Search<'a> {
             return fit;
         }
         let mut best = fit;
-        for _ in 0..2 {
+        for _ in 0..1 {
             let mut better: Option<Fit> = None;
             for index in 0..best.active.len() {
                 let mut rest = best.active.clone();
@@ -287,7 +321,7 @@ impl<'a> Search<'a> {
                     .map(|trial| trial.effect)
                     .filter(|effect| effect.id != out.effect.id)
                     .filter(|effect| !rest.iter().any(|entry| conflicts(entry.effect, effect)))
-                    .take(6)
+                    .take(4)
                     .collect();
                 let fits: Vec<Fit> =
                     open.par_iter().filter_map(|&effect| self.attempt(&base, effect)).map(|(fit, _)| fit).collect();
@@ -340,12 +374,20 @@ fn merge(seen: &mut Vec<Trial>, trials: &[Trial]) {
 
 /// Whether `fit` predicts the blocks significantly worse than `best`: paired over blocks, and by more than a hair.
 pub fn worse(fit: &Fit, best: &Fit) -> bool {
-    let changes: Vec<f64> =
-        fit.heldout.iter().zip(&best.heldout).filter(|(a, b)| **a > 0.0 || **b > 0.0).map(|(a, b)| a - b).collect();
+    paired_t(fit, best) > 2.0 && fit.heldout_sse() - best.heldout_sse() > 0.01 * best.heldout_sse()
+}
+
+/// t of the fall of the held-out squares from one fit to another, paired over blocks.
+fn paired_t(from: &Fit, to: &Fit) -> f64 {
+    let pairs = from.heldout.iter().zip(&to.heldout).filter(|(a, b)| **a > 0.0 || **b > 0.0);
+    let changes: Vec<f64> = pairs.map(|(a, b)| a - b).collect();
     let count = changes.len() as f64;
+    if count < 2.0 {
+        return 0.0;
+    }
     let mean = changes.iter().sum::<f64>() / count;
-    let variance = changes.iter().map(|c| (c - mean) * (c - mean)).sum::<f64>() / (count - 1.0).max(1.0);
-    mean > 2.0 * (variance / count).sqrt() && mean * count > 0.01 * best.heldout_sse()
+    let variance = changes.iter().map(|c| (c - mean) * (c - mean)).sum::<f64>() / (count - 1.0);
+    mean / (variance / count).sqrt().max(1e-300)
 }
 
 /// F-test of an improvement, its freedom reduced by the correlation of neighbouring residuals (Newey-West, Bartlett).
