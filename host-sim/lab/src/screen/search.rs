@@ -67,16 +67,24 @@ pub struct Outcome {
 fn conflicts(a: &Effect, b: &Effect) -> bool {
     const GROUPS: [&[&str]; 3] = [
         &["field_lag", "field_lag_asymmetry"],
-        &["viscosity_dead_time", "viscosity_lag", "field_dead_time", "field_lag", "field_lag_asymmetry", "field_slew_limit"],
+        &[
+            "viscosity_dead_time",
+            "viscosity_lag",
+            "field_dead_time",
+            "field_lag",
+            "field_lag_asymmetry",
+            "field_slew_limit",
+        ],
         &["compliance", "backlash"],
     ];
     if a.id == b.id {
         return !matches!(a.id, "cogging" | "disturbance_pulse");
     }
     let viscosity = |e: &Effect| e.id.starts_with("viscosity");
-    GROUPS.iter().enumerate().any(|(group, ids)| {
-        ids.contains(&a.id) && ids.contains(&b.id) && (group != 1 || viscosity(a) || viscosity(b))
-    })
+    GROUPS
+        .iter()
+        .enumerate()
+        .any(|(group, ids)| ids.contains(&a.id) && ids.contains(&b.id) && (group != 1 || viscosity(a) || viscosity(b)))
 }
 
 fn duplicate(active: &[Active], entry: &Active) -> bool {
@@ -101,7 +109,9 @@ impl<'a> Refitter<'a> {
     /// Under the weights and with the candidates that a search ended with.
     pub fn new(problem: &'a Problem, outcome: &Outcome) -> Self {
         let (weights, excitation) = (outcome.weights.clone(), outcome.excitation.clone());
-        Self { search: Search { problem, vocabulary: &[], linear: excitation.linear, weights, excitation, variants: 0 } }
+        Self {
+            search: Search { problem, vocabulary: &[], linear: excitation.linear, weights, excitation, variants: 0 },
+        }
     }
 
     /// The optimum of a set of effects from their values.
@@ -144,8 +154,7 @@ impl<'a> Search<'a> {
     /// A search from the nominal machine.
     pub fn new(problem: &'a Problem, vocabulary: &'a [&'static Effect], linear: bool) -> Self {
         let weights = vec![1.0; problem.equations.len()];
-        let mut search =
-            Self { problem, vocabulary, linear, weights, excitation: Excitation::default(), variants: 0 };
+        let mut search = Self { problem, vocabulary, linear, weights, excitation: Excitation::default(), variants: 0 };
         search.weigh(&[]);
         search
     }
@@ -193,7 +202,6 @@ impl<'a> Search<'a> {
         }
         let fits = starts.iter().map(|entry| fitter.fit_on(&with(entry), ITERATIONS, &known));
         let best = fits.min_by(|a, b| a.sse.total_cmp(&b.sse))?;
-        let best = if effect.id == "cogging" { self.more_orders(base, best, effect) } else { best };
         Some((best, variants))
     }
 
@@ -231,11 +239,17 @@ impl<'a> Search<'a> {
             .vocabulary
             .iter()
             .copied()
-            .filter(|effect| !base.active.iter().any(|entry| conflicts(entry.effect, effect)) && !full(&base.active, effect))
+            .filter(|effect| {
+                !base.active.iter().any(|entry| conflicts(entry.effect, effect)) && !full(&base.active, effect)
+            })
             .collect();
         let fitted: Vec<(&'static Effect, Fit, usize)> = open
             .par_iter()
-            .filter_map(|&effect| self.attempt(base, effect).map(|(fit, variants)| (effect, fit, variants)))
+            .filter_map(|&effect| {
+                let (fit, variants) = self.attempt(base, effect)?;
+                let fit = if effect.id == "cogging" { self.more_orders(base, fit, effect) } else { fit };
+                Some((effect, fit, variants))
+            })
             .collect();
         self.variants += fitted.iter().map(|(_, _, variants)| variants).sum::<usize>();
         let variants = self.variants.max(1);

@@ -35,7 +35,17 @@ fn spread(span_s: f64, intensity: f64) -> Matrix3<f64> {
     let h = span_s;
     let (h2, h3) = (h * h, h * h * h);
     intensity
-        * Matrix3::new(h3 * h2 / 20.0, h2 * h2 / 8.0, h3 / 6.0, h2 * h2 / 8.0, h3 / 3.0, h2 / 2.0, h3 / 6.0, h2 / 2.0, h)
+        * Matrix3::new(
+            h3 * h2 / 20.0,
+            h2 * h2 / 8.0,
+            h3 / 6.0,
+            h2 * h2 / 8.0,
+            h3 / 3.0,
+            h2 / 2.0,
+            h3 / 6.0,
+            h2 / 2.0,
+            h,
+        )
 }
 
 fn drift(span_s: f64, acceleration: f64) -> Vector3<f64> {
