@@ -116,7 +116,8 @@ fn decide(
     effects.extend(glitches(request, problem));
     effects.sort_by(|a, b| b.evidence.heldout_gain.total_cmp(&a.evidence.heldout_gain));
     let explains = explained(outcome.nominal.sse, fit.sse, fit.residual_count());
-    let structured = left.gain >= MIN_GAIN && left.excess > 1.5;
+    // Far above the noise is something, even where no channel of state predicts it.
+    let structured = left.excess > 2.5 || left.gain >= MIN_GAIN && left.excess > 1.5;
     let verdict = if fit.active.is_empty() && structured || !fit.active.is_empty() && explains < EXPLAINS {
         Verdict::Unknown
     } else if effects.is_empty() {
