@@ -265,7 +265,7 @@ impl<'a> Search<'a> {
             // One event cannot be predicted from the other blocks; its own recording is its evidence.
             (base.sse, fit.sse, f64::INFINITY)
         } else {
-            (base.heldout_sse(), fit.heldout_sse(), paired_t(base, &fit))
+            (base.heldout_sse(), fit.heldout_sse(), paired_t(base, &fit).max(relative_t(base, &fit)))
         };
         Trial { effect, fit, gain: 1.0 - (after / before.max(1e-300)).sqrt(), p_value, t }
     }
@@ -395,6 +395,10 @@ pub fn worse(fit: &Fit, best: &Fit) -> bool {
 fn paired_t(from: &Fit, to: &Fit) -> f64 {
     let pairs = from.heldout.iter().zip(&to.heldout).filter(|(a, b)| **a > 0.0 || **b > 0.0);
     let changes: Vec<f64> = pairs.map(|(a, b)| a - b).collect();
+    t_of_mean(&changes)
+}
+
+fn t_of_mean(changes: &[f64]) -> f64 {
     let count = changes.len() as f64;
     if count < 2.0 {
         return 0.0;
@@ -402,6 +406,14 @@ fn paired_t(from: &Fit, to: &Fit) -> f64 {
     let mean = changes.iter().sum::<f64>() / count;
     let variance = changes.iter().map(|c| (c - mean) * (c - mean)).sum::<f64>() / (count - 1.0);
     mean / (variance / count).sqrt().max(1e-300)
+}
+
+/// The same with each block's change relative to its size: an effect that shows in a few strong blocks is as certain as
+/// one that shows a little in all.
+fn relative_t(from: &Fit, to: &Fit) -> f64 {
+    let relative = |(a, b): (&f64, &f64)| (a + b > 0.0).then(|| (a - b) / (a + b));
+    let changes: Vec<f64> = from.heldout.iter().zip(&to.heldout).filter_map(relative).collect();
+    t_of_mean(&changes)
 }
 
 /// F-test of an improvement, its freedom reduced by the correlation of neighbouring residuals (Newey-West, Bartlett).
