@@ -4,16 +4,21 @@
 #![forbid(unsafe_code)]
 
 pub mod cli;
+pub mod decide;
 pub mod decode;
+pub mod effects;
 pub mod error;
+pub mod locate;
 pub mod output;
 pub mod paper;
 pub mod plot;
 pub mod progress;
 pub mod read;
+pub mod refit;
 pub mod replay;
 pub mod report;
 pub mod residual;
+pub mod screen;
 pub mod simulate;
 pub mod stability;
 pub mod tune;

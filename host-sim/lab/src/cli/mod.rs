@@ -3,6 +3,7 @@
 mod compare;
 mod decode;
 mod demo;
+mod diagnose;
 mod machine;
 mod paper;
 mod replay;
@@ -30,6 +31,8 @@ enum Command {
     Compare(compare::Args),
     /// Turn the log of the image (RTT bytes) into a recording.
     Decode(decode::Args),
+    /// Find what the model leaves out of the recordings, with its parameters, or say that they cannot tell.
+    Diagnose(diagnose::Args),
     /// Stability of the linear loop by four methods: margins, limits, area, picture.
     Stability(stability::StabilityArgs),
     /// Reproduce the paper: its figures, and a table of what became of each claim.
@@ -51,6 +54,7 @@ impl Cli {
             Command::Replay(args) => replay::run(args),
             Command::Compare(args) => compare::run(args),
             Command::Decode(args) => decode::run(args),
+            Command::Diagnose(args) => diagnose::run(args),
             Command::Stability(args) => stability::run(args),
             Command::Paper(args) => paper::run(args),
             Command::Tune(args) => tune::run(args),

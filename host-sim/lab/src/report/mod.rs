@@ -1,6 +1,14 @@
 //! Last stage: what was found, in words, figures and pictures.
 
+mod answer;
 pub mod compare;
+mod improved;
+mod text;
 mod units;
 
+pub use answer::{
+    Answer, EffectAnswer, Evidence, Experiment, FitAnswer, Interval, Location, Region, Rejected, ResidualMap, Verdict,
+};
+pub use improved::improved_machine;
+pub use text::summary;
 pub use units::Units;

@@ -1,0 +1,102 @@
+//! `servo-lab diagnose`.
+
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+
+use crate::Error;
+use crate::decide::{Request, diagnose};
+use crate::effects::{self, Effect};
+use crate::read::{Machine, Recording};
+use crate::{output, report};
+
+/// Flags of `diagnose`.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// Machine file: the nominal model.
+    #[arg(long, value_name = "FILE")]
+    machine: PathBuf,
+    /// Recordings that are only predicted, never fitted; without one, blocks of the others are held out.
+    #[arg(long, value_name = "RECORDING")]
+    holdout: Vec<PathBuf>,
+    /// Writes the answer as JSON; `-` for standard output.
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    /// Writes the answer as one page that opens in a browser.
+    #[arg(long, value_name = "FILE")]
+    html: Option<PathBuf>,
+    /// Writes the machine file with the effects added, a model like any other.
+    #[arg(long, value_name = "FILE")]
+    write_model: Option<PathBuf>,
+    /// Names only these effects; separated by commas.
+    #[arg(long, value_name = "ID", value_delimiter = ',')]
+    only: Vec<String>,
+    /// Never names these effects; separated by commas.
+    #[arg(long, value_name = "ID", value_delimiter = ',')]
+    without: Vec<String>,
+    /// Threads; as many as there are cores by default.
+    #[arg(long, value_name = "N")]
+    jobs: Option<usize>,
+    /// Recordings to diagnose, CSV or Parquet.
+    #[arg(required = true, value_name = "RECORDING")]
+    recordings: Vec<PathBuf>,
+}
+
+/// Diagnoses the recordings; every verdict is success.
+///
+/// # Errors
+/// Files that cannot be read, effects that do not exist, outputs that cannot be written.
+pub fn run(args: &Args) -> Result<(), Error> {
+    if let Some(jobs) = args.jobs {
+        rayon::ThreadPoolBuilder::new()
+            .num_threads(jobs)
+            .build_global()
+            .map_err(|error| Error::Usage(format!("--jobs {jobs}: {error}")))?;
+    }
+    if args.html.is_some() {
+        return Err(Error::Usage("--html is not there yet; --json holds everything it would show".to_owned()));
+    }
+    let vocabulary = vocabulary(&args.only, &args.without)?;
+    let machine = Machine::read(&args.machine)?;
+    let read = |files: &[PathBuf]| -> Result<Vec<Recording>, Error> {
+        files.iter().map(|file| Recording::read(file, Some(machine.axis.kind))).collect()
+    };
+    let (recordings, holdout) = (read(&args.recordings)?, read(&args.holdout)?);
+    let request = Request { machine: &machine, recordings: &recordings, holdout: &holdout, vocabulary: &vocabulary };
+    let diagnosis = diagnose(&request)?;
+    let to_stdout = args.json.as_deref() == Some(Path::new("-"));
+    if let Some(file) = &args.json {
+        let text = serde_json::to_string_pretty(&diagnosis.answer)
+            .map_err(|error| Error::Output { file: file.clone(), reason: error.to_string() })?;
+        if to_stdout {
+            println!("{text}");
+        } else {
+            output::write(file, |out| writeln!(out, "{text}"))?;
+        }
+    }
+    if let Some(file) = &args.write_model {
+        let text = report::improved_machine(&read_text(&args.machine)?, &diagnosis.answer);
+        output::write(file, |out| out.write_all(text.as_bytes()))?;
+    }
+    if !to_stdout {
+        print!("{}", report::summary(&diagnosis.answer));
+    }
+    Ok(())
+}
+
+fn read_text(file: &Path) -> Result<String, Error> {
+    std::fs::read_to_string(file).map_err(|error| Error::input(file, None, "", error.to_string()))
+}
+
+/// The effects that may be named.
+fn vocabulary(only: &[String], without: &[String]) -> Result<Vec<&'static Effect>, Error> {
+    for id in only.iter().chain(without) {
+        if effects::find(id).is_none() && id != crate::read::vocabulary::CONTROLLER {
+            let known: Vec<&str> = effects::VOCABULARY.iter().map(|effect| effect.id).collect();
+            return Err(Error::Usage(format!("there is no effect `{id}`; known are {}", known.join(", "))));
+        }
+    }
+    let kept = |effect: &&'static Effect| {
+        (only.is_empty() || only.iter().any(|id| id == effect.id)) && !without.iter().any(|id| id == effect.id)
+    };
+    Ok(effects::VOCABULARY.iter().copied().filter(kept).collect())
+}

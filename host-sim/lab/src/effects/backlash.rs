@@ -1,0 +1,27 @@
+//! A load behind a gap: as compliance, with a dead zone of that total width.
+
+use super::{Effect, Load, Size, always, as_fitted, free, sized};
+
+/// The entry of the vocabulary.
+pub static EFFECT: Effect = Effect {
+    id: "backlash",
+    sentence: "Part of the inertia hangs behind a gap: gear, key, spline or coupling with play.",
+    parameters: &[
+        sized(Size::Travel, 0.0, 0.1, 1e-3),
+        free(1.0, 500.0, 5.0),
+        free(1e-3, 1.0, 0.02),
+        free(1e-2, 5.0, 0.1),
+    ],
+    applies: always,
+    starts: |_, e| {
+        let mut all = Vec::new();
+        for gap in [1e-3, 4e-3, 0.016] {
+            for f in [15.0, 30.0, 60.0] {
+                all.push(vec![gap * e.travel.max(1e-6), f, 0.05, 0.5]);
+            }
+        }
+        all
+    },
+    put: |p, v| p.load = Some(Load { gap: v[0], resonance_hz: v[1], damping_ratio: v[2], inertia_ratio: v[3] }),
+    report: as_fitted,
+};

@@ -1,0 +1,18 @@
+//! The field changes at a limited rate: |dE_d/dt| <= r.
+
+use super::{Effect, as_fitted, free, with_field};
+
+/// The entry of the vocabulary.
+pub static EFFECT: Effect = Effect {
+    id: "field_slew_limit",
+    sentence: "The field changes at a limited rate: the current limit of the high-voltage amplifier into the damper's capacitance.",
+    parameters: &[free(5.0, 5e4, 100.0)],
+    applies: with_field,
+    starts: |_, _| [2000.0, 1000.0, 500.0, 250.0, 120.0, 60.0, 30.0].iter().map(|&v| vec![v]).collect(),
+    put: |p, v| {
+        if let Some(damper) = &mut p.damper {
+            damper.slew_kv_mm_s = v[0];
+        }
+    },
+    report: as_fitted,
+};

@@ -1,0 +1,14 @@
+//! The measured position is th + amplitude sin(order th + phase).
+
+use super::{Effect, Harmonic, Size, always, amplitude_order_phase, fixed, sized};
+
+/// The entry of the vocabulary.
+pub static EFFECT: Effect = Effect {
+    id: "resolver_eccentricity",
+    sentence: "The position sensor errs with the angle: a resolver or encoder disc mounted off centre, or unequal windings.",
+    parameters: &[fixed(), sized(Size::Travel, -0.1, 0.1, 1e-4), sized(Size::Travel, -0.1, 0.1, 1e-4)],
+    applies: always,
+    starts: |_, e| e.orders.iter().map(|&order| vec![order, 1e-4, 1e-4]).collect(),
+    put: |p, v| p.eccentricity = Some(Harmonic { order: v[0], sine: v[1], cosine: v[2] }),
+    report: amplitude_order_phase,
+};

@@ -1,0 +1,27 @@
+//! A steady external sine, its phase free in each recording.
+
+use super::{Effect, Size, Vibration, always, free, sized};
+
+/// The entry of the vocabulary.
+pub static EFFECT: Effect = Effect {
+    id: "vibration",
+    sentence: "The machine is shaken at one frequency: a pump, a fan, a neighbour on the same frame.",
+    parameters: &[free(0.1, 1000.0, 0.1), sized(Size::Torque, -1e2, 1e2, 0.05)],
+    applies: always,
+    starts: |_, e| {
+        e.frequencies_hz
+            .iter()
+            .map(|&f| std::iter::once(f).chain(std::iter::repeat_n(0.01 * e.torque_rms, 2 * e.recordings)).collect())
+            .collect()
+    },
+    put: |p, v| {
+        p.vibration = Some(Vibration {
+            frequency_hz: v[0],
+            phasors: v[1..].chunks_exact(2).map(|pair| (pair[0], pair[1])).collect(),
+        })
+    },
+    report: |v| {
+        let power: f64 = v[1..].iter().map(|x| x * x).sum();
+        vec![v[0], (power / (v.len() - 1) as f64 * 2.0).sqrt()]
+    },
+};

@@ -1,0 +1,7 @@
+//! The time domain: the improved machine as the plant simulates it, in short windows driven by the recorded commands.
+
+mod model;
+mod windows;
+
+pub use model::model;
+pub use windows::{HORIZON_S, Windows};

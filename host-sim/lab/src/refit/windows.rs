@@ -1,0 +1,46 @@
+//! Residuals of a machine over several recordings.
+
+use crate::Error;
+use crate::effects::Physics;
+use crate::read::Recording;
+use crate::refit::model;
+use crate::residual::{Residual, residual};
+
+/// Length of the windows that an answer reports, s.
+pub const HORIZON_S: f64 = 0.05;
+
+/// What was commanded before the first row is not known, and acts this long, s.
+const SETTLE_S: f64 = 0.03;
+
+/// Short windows of one machine over some recordings.
+#[derive(Debug)]
+pub struct Windows {
+    /// One for each recording.
+    pub residuals: Vec<Residual>,
+}
+
+impl Windows {
+    /// Runs the machine over the recordings; the first of them is number `first` of the machine's pushes and phases.
+    ///
+    /// # Errors
+    /// A recording too short for one window, or a machine that cannot be simulated.
+    pub fn new(physics: &Physics, recordings: &[Recording], first: usize) -> Result<Self, Error> {
+        let each = recordings.iter().enumerate();
+        let residuals = each.map(|(index, recording)| {
+            let mut all = residual(&model(physics, first + index), recording, HORIZON_S)?;
+            let settled_s = recording.t_s[0] + SETTLE_S;
+            all.windows.retain(|window| recording.t_s[window.start] >= settled_s);
+            Ok(all)
+        });
+        Ok(Self { residuals: residuals.collect::<Result<_, Error>>()? })
+    }
+
+    /// Root mean square over all samples of all windows, rad (m); 0 without any.
+    pub fn rms(&self) -> f64 {
+        let (sum, count) = self.residuals.iter().fold((0.0, 0), |(sum, count), residual| {
+            let rows: usize = residual.windows.iter().map(|window| window.residual.len()).sum();
+            (sum + residual.rms().powi(2) * rows as f64, count + rows)
+        });
+        if count == 0 { 0.0 } else { (sum / count as f64).sqrt() }
+    }
+}

@@ -1,0 +1,173 @@
+//! The answer as JSON has it (`diagnosis.md`, schema 1).
+
+use serde::{Deserialize, Serialize};
+
+/// What the tool concludes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Verdict {
+    /// Nothing is missing beyond the noise floor.
+    None,
+    /// This is it.
+    Named,
+    /// Something is missing and the data cannot choose.
+    Ambiguous,
+    /// Something is missing and nothing in the vocabulary explains it.
+    Unknown,
+    /// The recorded commands are not what the control law computes.
+    Controller,
+}
+
+/// The whole answer.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Answer {
+    /// 1.
+    pub schema: u32,
+    /// The conclusion.
+    pub verdict: Verdict,
+    /// Effects of the best model, by evidence.
+    pub effects: Vec<EffectAnswer>,
+    /// How well the model fits before and after.
+    pub fit: FitAnswer,
+    /// Spans of time in which the nominal model fails most.
+    pub locations: Vec<Location>,
+    /// Ranges of state in which it fails most.
+    pub regions: Vec<Region>,
+    /// What was tried and not taken.
+    pub rejected: Vec<Rejected>,
+    /// What to record next.
+    pub experiment: Option<Experiment>,
+    /// What the user should know before believing this.
+    pub warnings: Vec<String>,
+    /// Residual torque over state, where nothing explains it.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub residual_map: Vec<ResidualMap>,
+}
+
+/// One effect of the best model.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct EffectAnswer {
+    /// Identifier of the vocabulary.
+    pub id: String,
+    /// One sentence: what it is, where it usually comes from.
+    pub text: String,
+    /// Effects that these recordings cannot tell from it, best first.
+    pub equivalent: Vec<String>,
+    /// Values in the improved model.
+    pub parameters: Vec<Interval>,
+    /// Why it is believed.
+    pub evidence: Evidence,
+    /// The recording it happens in, for events.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub recording: Option<String>,
+}
+
+/// A value with its 95 % interval.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Interval {
+    /// Identifier of the parameter, its unit last.
+    pub id: String,
+    /// Estimate.
+    pub value: f64,
+    /// Lower end of the 95 % interval.
+    pub low: f64,
+    /// Upper end of the 95 % interval.
+    pub high: f64,
+    /// Unit.
+    pub unit: String,
+}
+
+/// Evidence of one effect.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Evidence {
+    /// Relative fall of the held-out root mean square that this effect brings, 1.
+    pub heldout_gain: f64,
+    /// Corrected for every variant tried.
+    pub p_value: f64,
+    /// Share of the excess over the floor that this effect alone removes from the model without it, 1.
+    pub excess_explained: f64,
+}
+
+/// Residual before and after.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FitAnswer {
+    /// Nominal model, on what was fitted.
+    pub before_rms: f64,
+    /// Improved model, on what was fitted.
+    pub after_rms: f64,
+    /// Nominal model, on what was held out.
+    pub heldout_before_rms: f64,
+    /// Improved model, on what was held out.
+    pub heldout_after_rms: f64,
+    /// What noise alone would leave.
+    pub noise_floor_rms: f64,
+    /// Share of the excess over the floor that is explained, 1.
+    pub excess_explained: f64,
+    /// Unit of the residuals.
+    pub unit: String,
+    /// Length of the windows, s.
+    pub horizon_s: f64,
+}
+
+/// A span of time.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Location {
+    /// Name of the recording.
+    pub recording: String,
+    /// s.
+    pub start_s: f64,
+    /// s.
+    pub end_s: f64,
+    /// Share of the excess, 1.
+    pub share: f64,
+    /// What happens there.
+    pub text: String,
+}
+
+/// A range of one channel of state.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Region {
+    /// Channel with its unit.
+    pub channel: String,
+    /// Lower end.
+    pub low: f64,
+    /// Upper end.
+    pub high: f64,
+    /// Share of the excess, 1.
+    pub share: f64,
+}
+
+/// An effect that was tried and not taken.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Rejected {
+    /// Identifier.
+    pub id: String,
+    /// Relative fall of the held-out root mean square it would bring, 1.
+    pub heldout_gain: f64,
+    /// Why not.
+    pub why: String,
+}
+
+/// What to record next.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Experiment {
+    /// In words.
+    pub text: String,
+    /// What it tells apart.
+    pub separates: Vec<String>,
+    /// The reference to play, where one was written.
+    pub reference_csv: Option<String>,
+}
+
+/// Residual torque over one channel.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ResidualMap {
+    /// Channel with its unit.
+    pub channel: String,
+    /// Centres of the bins.
+    pub at: Vec<f64>,
+    /// Mean residual torque in each bin, N m (N).
+    pub mean: Vec<f64>,
+    /// Half-width of its 95 % band.
+    pub band: Vec<f64>,
+}

@@ -1,0 +1,70 @@
+//! The answer in words.
+
+use std::fmt::Write;
+
+use super::{Answer, Verdict};
+
+/// A few lines that say what the answer says.
+pub fn summary(answer: &Answer) -> String {
+    let mut text = String::new();
+    // Writing to a string cannot fail.
+    let _ = write_summary(&mut text, answer);
+    text
+}
+
+fn write_summary(text: &mut String, answer: &Answer) -> std::fmt::Result {
+    let headline = match answer.verdict {
+        Verdict::None => "Nothing is missing from the model beyond the noise of these recordings.",
+        Verdict::Named => "This is missing from the model:",
+        Verdict::Ambiguous => "Something is missing, and these recordings cannot tell which of these it is:",
+        Verdict::Unknown => "Something is missing, and nothing in the vocabulary explains it.",
+        Verdict::Controller => "The recorded commands are not what this control law computes; no physics is named.",
+    };
+    writeln!(text, "{headline}")?;
+    for effect in &answer.effects {
+        writeln!(text, "\n{}: {}", effect.id, effect.text)?;
+        for p in &effect.parameters {
+            writeln!(text, "  {} = {:.6} ({:.6} to {:.6}) {}", p.id, p.value, p.low, p.high, p.unit)?;
+        }
+        let e = effect.evidence;
+        writeln!(
+            text,
+            "  held-out error {:.1} % less, p = {:.1e}, explains {:.0} % of the excess",
+            100.0 * e.heldout_gain,
+            e.p_value,
+            100.0 * e.excess_explained
+        )?;
+        if !effect.equivalent.is_empty() {
+            writeln!(text, "  these recordings cannot tell it from: {}", effect.equivalent.join(", "))?;
+        }
+    }
+    let fit = &answer.fit;
+    writeln!(
+        text,
+        "\nWindows of {} s, rms in {}: {:.3e} before, {:.3e} after; held out {:.3e} before, {:.3e} after; floor {:.3e}.",
+        fit.horizon_s,
+        fit.unit,
+        fit.before_rms,
+        fit.after_rms,
+        fit.heldout_before_rms,
+        fit.heldout_after_rms,
+        fit.noise_floor_rms
+    )?;
+    for location in answer.locations.iter().take(3) {
+        let (from, to) = (location.start_s, location.end_s);
+        writeln!(
+            text,
+            "{:.0} % of the excess at {from:.2} to {to:.2} s of {}: {}",
+            100.0 * location.share,
+            location.recording,
+            location.text
+        )?;
+    }
+    if let Some(experiment) = &answer.experiment {
+        writeln!(text, "Record next: {}", experiment.text)?;
+    }
+    for warning in &answer.warnings {
+        writeln!(text, "Warning: {warning}")?;
+    }
+    Ok(())
+}

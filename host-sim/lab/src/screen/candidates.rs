@@ -1,0 +1,183 @@
+//! What stands out of the residual: orders over position, frequencies over time, pushes. Start values for the fit.
+
+use super::problem::Problem;
+use crate::effects::{Excitation, Physics, Pulse};
+
+/// Highest order per revolution that is looked for.
+const MAX_ORDER: usize = 160;
+/// Highest frequency that the narrowest bump lets pass, Hz.
+const MAX_FREQUENCY_HZ: f64 = 110.0;
+/// Candidates of each kind that are fitted.
+const KEPT: usize = 4;
+
+/// Residual of one width: recording, time, position, residual.
+struct Point {
+    recording: usize,
+    t_s: f64,
+    position: f64,
+    value: f64,
+}
+
+fn points(problem: &Problem, residual: &[f64], width: usize) -> Vec<Point> {
+    let rows = problem.equations.iter().zip(residual).filter(|(equation, _)| equation.width == width);
+    rows.map(|(equation, &value)| Point {
+        recording: equation.recording,
+        t_s: equation.row.centre_s,
+        position: equation.row.mean(&problem.motions[equation.recording].cell_position),
+        value,
+    })
+    .collect()
+}
+
+/// Sizes of the excitation and what stands out of the residual, N m (N).
+pub(crate) fn excitation(problem: &Problem, physics: &Physics, residual: &[f64], linear: bool) -> Excitation {
+    let peak = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0_f64, |peak, v| peak.max(v.abs()));
+    let motions = &problem.motions;
+    let efforts = || motions.iter().flat_map(|m| m.effort.iter().copied());
+    let count = efforts().count().max(1) as f64;
+    let range = |motion: &super::Motion| {
+        let ends = motion.smooth.iter().fold((f64::MAX, f64::MIN), |(low, high), &q| (low.min(q), high.max(q)));
+        ends.1 - ends.0
+    };
+    let travel = motions.iter().map(range).fold(0.0, f64::max);
+    let fine = points(problem, residual, 0);
+    let field_peak = peak(&mut motions.iter().filter_map(|m| m.field.as_ref()).flatten().copied());
+    let duration_s = motions.iter().map(|m| m.t_s[m.t_s.len() - 1] - m.t_s[0]).fold(0.0, f64::max);
+    Excitation {
+        torque_rms: (efforts().map(|u| u * u).sum::<f64>() / count).sqrt().max(1e-9),
+        torque_peak: peak(&mut efforts()).max(1e-9) * physics.torque_gain,
+        speed_peak: peak(&mut motions.iter().flat_map(|m| m.speed.iter().copied())),
+        travel,
+        field_peak,
+        duration_s,
+        period_s: motions.iter().map(|m| m.period_s).fold(0.0, f64::max),
+        recordings: motions.len(),
+        linear,
+        orders: orders(&fine, travel, linear),
+        pulses: pulses(problem, residual),
+        frequencies_hz: frequencies(&fine, duration_s),
+    }
+}
+
+/// Orders over position that stand out of a residual, N m (N), best first.
+pub(crate) fn orders_left(problem: &Problem, residual: &[f64], excitation: &Excitation) -> Vec<f64> {
+    orders(&points(problem, residual, 0), excitation.travel, excitation.linear)
+}
+
+/// Share of the variance that a sine explains, by Lomb's normalisation.
+fn power(points: &[Point], phase: impl Fn(&Point) -> f64) -> f64 {
+    let (mut ss, mut cc, mut sc, mut ys, mut yc) = (0.0, 0.0, 0.0, 0.0, 0.0);
+    for point in points {
+        let (sine, cosine) = phase(point).sin_cos();
+        ss += sine * sine;
+        cc += cosine * cosine;
+        sc += sine * cosine;
+        ys += point.value * sine;
+        yc += point.value * cosine;
+    }
+    let determinant = ss * cc - sc * sc;
+    if determinant <= 1e-9 * ss * cc { 0.0 } else { (ys * ys * cc + yc * yc * ss - 2.0 * ys * yc * sc) / determinant }
+}
+
+/// Local maxima of a spectrum, highest first.
+fn peaks(grid: &[f64], spectrum: &[f64]) -> Vec<f64> {
+    let at = |index: usize| spectrum.get(index).copied().unwrap_or(0.0);
+    let mut tops: Vec<usize> =
+        (0..grid.len()).filter(|&i| at(i) > 0.0 && at(i) >= at(i + 1) && (i == 0 || at(i) >= at(i - 1))).collect();
+    tops.sort_by(|&a, &b| spectrum[b].total_cmp(&spectrum[a]));
+    tops.iter().take(KEPT).map(|&index| grid[index]).collect()
+}
+
+fn orders(points: &[Point], travel: f64, linear: bool) -> Vec<f64> {
+    if points.len() < 20 || travel <= 0.0 {
+        return Vec::new();
+    }
+    // On a linear axis there is no revolution: periods from the whole travel down.
+    let grid: Vec<f64> = if linear {
+        (0..MAX_ORDER).map(|k| std::f64::consts::TAU / travel * 2.0 * 1.03f64.powi(k as i32)).collect()
+    } else {
+        // An order that turns less than half a period over the travel is a slope.
+        (1..=MAX_ORDER).map(|order| order as f64).filter(|order| order * travel > 3.0).collect()
+    };
+    let spectrum: Vec<f64> = grid.iter().map(|&order| power(points, |point| order * point.position)).collect();
+    peaks(&grid, &spectrum)
+}
+
+fn frequencies(points: &[Point], duration_s: f64) -> Vec<f64> {
+    if points.len() < 20 {
+        return Vec::new();
+    }
+    let step_hz = 0.5 / duration_s.clamp(0.5, 20.0);
+    let count = (MAX_FREQUENCY_HZ / step_hz) as usize;
+    let grid: Vec<f64> = (2..count).map(|k| k as f64 * step_hz).collect();
+    let recordings = points.last().map_or(0, |point| point.recording + 1);
+    let mut spectrum = vec![0.0; grid.len()];
+    for recording in 0..recordings {
+        let from = points.partition_point(|point| point.recording < recording);
+        let to = points.partition_point(|point| point.recording <= recording);
+        let stride = (to - from).div_ceil(4000).max(1);
+        let part: Vec<&Point> = points[from..to].iter().step_by(stride).collect();
+        for (value, hz) in spectrum.iter_mut().zip(&grid) {
+            *value += tone(&part, std::f64::consts::TAU * hz);
+        }
+    }
+    peaks(&grid, &spectrum)
+}
+
+/// Power of one frequency; the sums of squares are half the count closely enough to rank.
+fn tone(points: &[&Point], omega: f64) -> f64 {
+    let (mut sine_sum, mut cosine_sum) = (0.0, 0.0);
+    for point in points {
+        let (sine, cosine) = (omega * point.t_s).sin_cos();
+        sine_sum += point.value * sine;
+        cosine_sum += point.value * cosine;
+    }
+    2.0 * (sine_sum * sine_sum + cosine_sum * cosine_sum) / points.len().max(1) as f64
+}
+
+/// How much more than any other span of its recording a push must stand out.
+const STANDS_OUT: f64 = 3.0;
+/// Longest push, in points of half the bump's width.
+const LONGEST: usize = 120;
+
+/// In each recording the span whose mean stands out most, where it does so far beyond any other.
+fn pulses(problem: &Problem, residual: &[f64]) -> Vec<Pulse> {
+    let mut all = Vec::new();
+    for recording in 0..problem.motions.len() {
+        let points: Vec<(f64, f64)> = problem
+            .equations
+            .iter()
+            .zip(residual)
+            .filter(|(equation, _)| equation.recording == recording && equation.width == 1)
+            .map(|(equation, &value)| (equation.row.centre_s, value))
+            .collect();
+        let Some((score, from, to)) = best_span(&points) else { continue };
+        // Bumps around the edges see part of the push.
+        let (before, after) = (from.saturating_sub(4), (to + 5).min(points.len()));
+        let beside = [&points[..before], &points[after..]];
+        let next = beside.iter().filter_map(|part| best_span(part)).map(|span| span.0).fold(0.0, f64::max);
+        if score > STANDS_OUT * next {
+            let mean = points[from..=to].iter().map(|point| point.1).sum::<f64>() / (to - from + 1) as f64;
+            let (start_s, end_s) = (points[from].0 - 0.005, points[to].0 + 0.005);
+            // The residual is inertia times acceleration minus what is known: a push is its sum.
+            all.push(Pulse { recording, start_s, duration_s: end_s - start_s, amplitude: mean });
+        }
+    }
+    all
+}
+
+/// The span with the largest square of its sum over its length: score, first and last point.
+fn best_span(points: &[(f64, f64)]) -> Option<(f64, usize, usize)> {
+    let mut best: Option<(f64, usize, usize)> = None;
+    for from in 0..points.len() {
+        let mut sum = 0.0;
+        for (to, point) in points.iter().enumerate().skip(from).take(LONGEST) {
+            sum += point.1;
+            let score = sum * sum / (to - from + 1) as f64;
+            if best.is_none_or(|(top, _, _)| score > top) {
+                best = Some((score, from, to));
+            }
+        }
+    }
+    best
+}

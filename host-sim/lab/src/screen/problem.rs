@@ -1,0 +1,204 @@
+//! The recordings as one least-squares problem: residuals of the torque balance, in units of their own noise.
+
+use super::motion::Motion;
+use super::{balance, internal, weak};
+use crate::effects::{Effect, Physics, Range};
+
+/// Half-widths of the bumps, s: fine enough to tell a lag from a dead time, wide enough for a coarse position.
+const HALF_WIDTHS_S: [f64; 3] = [0.008, 0.020, 0.050];
+/// Length of the blocks that are left out together, s.
+const BLOCK_S: f64 = 0.4;
+/// At the start the commands before the first row are not known.
+const SETTLE_S: f64 = 0.03;
+
+/// An effect with values, as a hypothesis has it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Active {
+    /// Which.
+    pub effect: &'static Effect,
+    /// What the fit moves.
+    pub values: Vec<f64>,
+    /// Bounds and scale of each value.
+    pub ranges: Vec<Range>,
+}
+
+/// One row of the problem.
+#[derive(Debug, Clone)]
+pub(crate) struct Equation {
+    pub recording: usize,
+    pub width: usize,
+    pub block: usize,
+    pub row: weak::Row,
+    /// Mean acceleration of the measured position.
+    pub acceleration: f64,
+    /// Standard deviation of that under the noise of the position alone, rad/s2.
+    pub acceleration_noise: f64,
+}
+
+/// All equations of a set of recordings, with the nominal machine.
+#[derive(Debug, Clone)]
+pub struct Problem {
+    /// The recordings.
+    pub(crate) motions: Vec<Motion>,
+    pub(crate) equations: Vec<Equation>,
+    /// Number of blocks.
+    pub(crate) blocks: usize,
+    pub(crate) nominal: Physics,
+}
+
+/// Cell means of the parts of the balance in each recording; kept so that a trial computes only what it changes.
+#[derive(Debug, Clone)]
+pub(crate) struct Parts {
+    physics: Physics,
+    drive: Vec<Vec<f64>>,
+    damper: Vec<Vec<f64>>,
+    friction: Vec<Vec<f64>>,
+    external: Vec<Vec<f64>>,
+    /// What a flexible load takes, and the inertia that stays with the rotor.
+    load: Option<(Vec<Vec<f64>>, f64)>,
+}
+
+impl Problem {
+    /// Builds the equations of the recordings.
+    pub(crate) fn new(motions: Vec<Motion>, nominal: Physics) -> Self {
+        let mut equations = Vec::new();
+        let mut blocks = 0;
+        for (recording, motion) in motions.iter().enumerate() {
+            let last_s = motion.t_s[motion.t_s.len() - 1];
+            let span_s = (last_s - motion.t_s[0]).max(1e-6);
+            // Few seconds still make enough blocks to leave one out; a long recording makes them longer.
+            let block_s = BLOCK_S.min(span_s / 8.0).max(span_s / 60.0);
+            let mut of_recording = Vec::new();
+            for (width, half_width_s) in HALF_WIDTHS_S.into_iter().enumerate() {
+                let half_width_s = half_width_s.max(5.0 * motion.period_s * 1.6f64.powi(width as i32));
+                for row in weak::rows(motion, half_width_s, SETTLE_S) {
+                    let block = blocks + ((row.centre_s - motion.t_s[0]) / block_s) as usize;
+                    let acceleration = row.acceleration(&motion.position);
+                    let acceleration_noise = row.noise_gain() * motion.noise;
+                    of_recording.push(Equation { recording, width, block, row, acceleration, acceleration_noise });
+                }
+            }
+            of_recording.sort_by(|a, b| a.row.centre_s.total_cmp(&b.row.centre_s));
+            blocks += (span_s / block_s).ceil() as usize + 1;
+            equations.append(&mut of_recording);
+        }
+        Self { motions, equations, blocks, nominal }
+    }
+
+    /// The machine with effects put into it.
+    pub(crate) fn machine(&self, active: &[Active]) -> Physics {
+        let mut physics = self.nominal.clone();
+        for entry in active {
+            (entry.effect.put)(&mut physics, &entry.values);
+        }
+        physics
+    }
+
+    /// Everything of the balance for a machine, reusing what `known` has in common with it.
+    pub(crate) fn parts(&self, physics: &Physics, known: Option<&Parts>) -> Parts {
+        let each = |part: &dyn Fn(usize, &Motion) -> Vec<f64>| -> Vec<Vec<f64>> {
+            self.motions.iter().enumerate().map(|(index, motion)| part(index, motion)).collect()
+        };
+        let same = |key: fn(&Physics, &Physics) -> bool| known.filter(|known| key(&known.physics, physics));
+        Parts {
+            drive: same(same_drive).map_or_else(|| each(&|_, m| balance::drive(physics, m)), |k| k.drive.clone()),
+            damper: same(same_damper).map_or_else(|| each(&|_, m| balance::damper(physics, m)), |k| k.damper.clone()),
+            friction: same(same_friction)
+                .map_or_else(|| each(&|_, m| balance::friction(physics, m)), |k| k.friction.clone()),
+            external: same(same_external)
+                .map_or_else(|| each(&|i, m| balance::external(physics, m, i)), |k| k.external.clone()),
+            load: self.load(physics, same(same_load)),
+            physics: physics.clone(),
+        }
+    }
+
+    fn load(&self, physics: &Physics, known: Option<&Parts>) -> Option<(Vec<Vec<f64>>, f64)> {
+        let load = physics.load.as_ref()?;
+        if let Some(known) = known {
+            return known.load.clone();
+        }
+        let each = self.motions.iter().map(|motion| internal::load(motion, load, physics.inertia));
+        let (pulls, motors): (Vec<Vec<f64>>, Vec<f64>) = each.unzip();
+        motors.first().map(|&motor| (pulls, motor))
+    }
+
+    /// Residual of each equation, N m (N), unweighted: inertia times acceleration minus the torque. Bounds of the effects
+    /// keep a model from improving by scaling all its torques down.
+    pub(crate) fn residual(&self, parts: &Parts) -> Vec<f64> {
+        let physics = &parts.physics;
+        let inertia = parts.load.as_ref().map_or(physics.inertia, |(_, motor)| *motor);
+        let mut cells: Vec<Vec<f64>> = Vec::with_capacity(self.motions.len());
+        for (index, motion) in self.motions.iter().enumerate() {
+            let mut torque: Vec<f64> = (0..motion.cells())
+                .map(|cell| {
+                    parts.drive[index][cell] - parts.damper[index][cell] - parts.friction[index][cell]
+                        + parts.external[index][cell]
+                })
+                .collect();
+            if let Some((pulls, _)) = &parts.load {
+                torque.iter_mut().zip(&pulls[index]).for_each(|(torque, pull)| *torque -= pull);
+            }
+            cells.push(torque);
+        }
+        let true_position: Option<Vec<Vec<f64>>> = physics.eccentricity.map(|error| {
+            let correct = |m: &Motion| m.position.iter().map(|&q| q - error.at(q)).collect();
+            self.motions.iter().map(correct).collect()
+        });
+        self.equations
+            .iter()
+            .map(|equation| {
+                let acceleration = true_position
+                    .as_ref()
+                    .map_or(equation.acceleration, |q| equation.row.acceleration(&q[equation.recording]));
+                inertia * acceleration - equation.row.mean(&cells[equation.recording])
+            })
+            .collect()
+    }
+}
+
+fn same_drive(a: &Physics, b: &Physics) -> bool {
+    let key = |p: &Physics| {
+        [
+            p.torque_gain,
+            p.torque_offset,
+            p.torque_limit,
+            p.torque_deadband,
+            p.torque_delay_s,
+            p.torque_lag_s,
+            p.latency_s,
+        ]
+    };
+    key(a) == key(b)
+}
+
+fn same_damper(a: &Physics, b: &Physics) -> bool {
+    a.damper == b.damper && a.latency_s == b.latency_s
+}
+
+fn same_friction(a: &Physics, b: &Physics) -> bool {
+    let key = |p: &Physics| {
+        [
+            p.coulomb,
+            p.viscous,
+            p.quadratic,
+            p.stribeck_excess,
+            p.stribeck_velocity,
+            p.asymmetry,
+            p.asymmetry_viscous,
+            p.presliding,
+        ]
+    };
+    key(a) == key(b)
+}
+
+fn same_external(a: &Physics, b: &Physics) -> bool {
+    a.cogging == b.cogging
+        && a.gravity == b.gravity
+        && a.spring == b.spring
+        && a.vibration == b.vibration
+        && a.pulses == b.pulses
+}
+
+fn same_load(a: &Physics, b: &Physics) -> bool {
+    a.load == b.load && a.inertia == b.inertia
+}

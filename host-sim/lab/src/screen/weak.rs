@@ -1,0 +1,128 @@
+//! The weak form: the torque balance times a smooth bump, integrated by parts, so that only the position is needed.
+//!
+//! J int phi'' q dt = int phi T dt. The bump phi(s) = (1 - s^2)^4 over a half-width W has integral one. The position is
+//! the cubic through its neighbouring samples, whatever their spacing; torques are exact means over the cells.
+
+use super::motion::Motion;
+
+/// Ends of the cubic's and Gauss's three-point rule on [0, 1].
+const GAUSS: [(f64, f64); 3] = [
+    (0.112_701_665_379_258_3, 0.277_777_777_777_777_8),
+    (0.5, 0.444_444_444_444_444_4),
+    (0.887_298_334_620_741_7, 0.277_777_777_777_777_8),
+];
+/// Integral of (1 - s^2)^4 over [-1, 1].
+const AREA: f64 = 256.0 / 315.0;
+/// Rows for one recording and width at most; longer recordings get a wider spacing, so that memory stays bounded.
+const MAX_ROWS: f64 = 2500.0;
+
+/// One test function on one recording.
+#[derive(Debug, Clone)]
+pub(crate) struct Row {
+    /// Centre, s.
+    pub centre_s: f64,
+    /// First cell under the bump.
+    pub first_cell: usize,
+    /// Weight of each cell's mean.
+    pub cell: Vec<f64>,
+    /// First sample that the second derivative reads.
+    pub first_sample: usize,
+    /// Weight of each sample in the second derivative.
+    pub second: Vec<f64>,
+}
+
+impl Row {
+    /// Weighted mean of something given by its cell means.
+    pub(crate) fn mean(&self, cells: &[f64]) -> f64 {
+        let under = &cells[self.first_cell..self.first_cell + self.cell.len()];
+        self.cell.iter().zip(under).map(|(weight, value)| weight * value).sum()
+    }
+
+    /// Weighted mean of the acceleration of something sampled.
+    pub(crate) fn acceleration(&self, samples: &[f64]) -> f64 {
+        let under = &samples[self.first_sample..self.first_sample + self.second.len()];
+        let origin = under[0];
+        self.second.iter().zip(under).map(|(weight, value)| weight * (value - origin)).sum()
+    }
+
+    /// Standard deviation of the acceleration under unit noise of the samples.
+    pub(crate) fn noise_gain(&self) -> f64 {
+        self.second.iter().map(|weight| weight * weight).sum::<f64>().sqrt()
+    }
+}
+
+fn primitive(s: f64) -> f64 {
+    let s = s.clamp(-1.0, 1.0);
+    let s2 = s * s;
+    s * (1.0 + s2 * (-4.0 / 3.0 + s2 * (6.0 / 5.0 + s2 * (-4.0 / 7.0 + s2 / 9.0)))) / AREA
+}
+
+fn second_derivative(s: f64) -> f64 {
+    let inside = 1.0 - s * s;
+    if inside <= 0.0 { 0.0 } else { (48.0 * s * s * inside * inside - 8.0 * inside.powi(3)) / AREA }
+}
+
+/// Rows of one half-width on one recording; none touches rest, a gap, or the first `settle_s`.
+pub(crate) fn rows(motion: &Motion, half_width_s: f64, settle_s: f64) -> Vec<Row> {
+    let t_s = &motion.t_s;
+    let (first_s, last_s) = (t_s[0] + settle_s, t_s[t_s.len() - 1]);
+    let spacing_s = (0.5 * half_width_s).max((last_s - first_s) / MAX_ROWS);
+    let mut rows = Vec::new();
+    let mut from = 0;
+    let mut number = 0.0;
+    loop {
+        let centre_s = first_s + half_width_s + number * spacing_s;
+        number += 1.0;
+        if centre_s + half_width_s > last_s {
+            return rows;
+        }
+        while t_s[from + 1] <= centre_s - half_width_s {
+            from += 1;
+        }
+        let mut to = from;
+        while t_s[to] < centre_s + half_width_s {
+            to += 1;
+        }
+        let usable = to - from >= 8
+            && from >= 1
+            && to + 1 < t_s.len()
+            && !(from - 1..=to).any(|cell| motion.broken[cell])
+            && !(from..to).any(|cell| motion.at_rest[cell]);
+        if usable {
+            rows.push(row(t_s, centre_s, half_width_s, from, to));
+        }
+    }
+}
+
+/// The row over cells `from..to`; one sample more on each side feeds the cubic.
+fn row(t_s: &[f64], centre_s: f64, half_width_s: f64, from: usize, to: usize) -> Row {
+    let mut cell = Vec::with_capacity(to - from);
+    let mut second = vec![0.0; to - from + 3];
+    for index in from..to {
+        let (left_s, right_s) = (t_s[index], t_s[index + 1]);
+        cell.push(primitive((right_s - centre_s) / half_width_s) - primitive((left_s - centre_s) / half_width_s));
+        let nodes = &t_s[index - 1..index + 3];
+        for (place, weight) in GAUSS {
+            let at_s = left_s + place * (right_s - left_s);
+            let bump = second_derivative((at_s - centre_s) / half_width_s) * weight * (right_s - left_s)
+                / (half_width_s * half_width_s * half_width_s);
+            for (offset, lagrange) in cubic(nodes, at_s).into_iter().enumerate() {
+                second[index - from + offset] += bump * lagrange;
+            }
+        }
+    }
+    Row { centre_s, first_cell: from, cell, first_sample: from - 1, second }
+}
+
+/// Lagrange's weights of four nodes at a time.
+fn cubic(nodes: &[f64], at_s: f64) -> [f64; 4] {
+    let mut weights = [1.0; 4];
+    for i in 0..4 {
+        for j in 0..4 {
+            if i != j {
+                weights[i] *= (at_s - nodes[j]) / (nodes[i] - nodes[j]);
+            }
+        }
+    }
+    weights
+}

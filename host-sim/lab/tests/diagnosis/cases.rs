@@ -1,0 +1,79 @@
+//! Recordings with something left out of the model.
+
+use er_servo::Config;
+use er_servo::experiment::{Experiment, Shape};
+use lab::decide::{Request, diagnose};
+use lab::effects::VOCABULARY;
+use lab::read::{Axis, AxisKind, ErNominal, Machine, PlantNominal, Recording};
+use lab::report::Answer;
+use lab::simulate::{Disturbance, Reference, Setup, nominal, record, run};
+use plant::Model;
+
+/// The default machine of the specification.
+pub fn machine(resolution: f64) -> Machine {
+    Machine {
+        file: "machine.toml".into(),
+        name: "er-dd-servo".to_owned(),
+        axis: Axis { kind: AxisKind::Rotary, sample_period_s: 5e-4, resolution },
+        plant: PlantNominal {
+            inertia: 0.075,
+            coulomb: 0.763,
+            viscous: 0.0,
+            torque_gain: 1.0,
+            torque_offset: 0.0,
+            torque_limit: Some(30.0),
+            torque_delay_s: 0.005,
+            er: Some(ErNominal { a: 0.0704, b: 0.470, dead_time_s: 0.002, lag_s: 0.003 }),
+        },
+        controller: None,
+        effects: Vec::new(),
+    }
+}
+
+/// Step of the resolver, rad.
+pub const COUNT_RAD: f64 = std::f64::consts::TAU / 491_520.0;
+
+/// Three recordings of a machine: two to fit, one held out.
+pub fn recordings(
+    change: &dyn Fn(&mut Model),
+    seed: u64,
+    torque_noise_nm: f64,
+    disturbances: &[Disturbance],
+) -> Vec<Recording> {
+    let mut model = nominal(&machine(COUNT_RAD));
+    change(&mut model);
+    let shapes = [
+        Shape::Steps { amplitude_rad: 0.9, dwell_s: 0.5, seed: seed as u32 + 1 },
+        Shape::Multisine { amplitude_rad: 0.5, low_hz: 0.2, high_hz: 3.0, tones: 8 },
+        Shape::Steps { amplitude_rad: 0.6, dwell_s: 0.4, seed: seed as u32 + 77 },
+    ];
+    let names = ["a.csv", "b.csv", "c.csv"];
+    shapes
+        .into_iter()
+        .zip(names)
+        .enumerate()
+        .map(|(index, (shape, name))| {
+            let setup = Setup {
+                model: model.clone(),
+                config: Config::default(),
+                disturbances: if index == 0 { disturbances.to_vec() } else { Vec::new() },
+                sensor_noise_rad: 0.0,
+                torque_noise_nm,
+                seed: seed * 10 + index as u64,
+            };
+            let experiment = Experiment { shape, duration_s: 8.0 };
+            let reference = Reference::Experiment(experiment);
+            let positions = reference.positions(5e-4).unwrap();
+            record(name, &run(&setup, positions).unwrap())
+        })
+        .collect()
+}
+
+/// Diagnoses two recordings with the third held out.
+pub fn answer(recordings: &[Recording], without: &str) -> Answer {
+    let vocabulary: Vec<_> = VOCABULARY.iter().copied().filter(|effect| effect.id != without).collect();
+    let machine = machine(COUNT_RAD);
+    let request =
+        Request { machine: &machine, recordings: &recordings[..2], holdout: &recordings[2..], vocabulary: &vocabulary };
+    diagnose(&request).unwrap().answer
+}
