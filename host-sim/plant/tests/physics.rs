@@ -208,3 +208,21 @@ fn presliding_returns_below_its_level_and_slides_above() {
     let speed = (2.0 / 0.075 * (0.2 * x.position + 0.8 * 0.8 / 400.0)).sqrt();
     assert!((x.velocity - speed).abs() < 1e-10, "{} {speed}", x.velocity);
 }
+
+/// The falling field cuts the spring of the fluid down to nothing while the rotor turns round: it enters its range over
+/// one edge and leaves over the other within the same step.
+#[test]
+fn a_loaded_fluid_that_the_field_lets_go_of_in_a_reversal_does_not_stall() {
+    let model = common::fluid(|er| er.preyield_stiffness = Some(300.0));
+    let mut plant = Plant::new(&model, State::default(), 0.0).unwrap();
+    let (mut segments, mut reversals, mut last) = (0, 0, 0.0);
+    for tick in 1..=8000_u32 {
+        let torque = if (tick / 40) % 2 == 0 { 10.0 } else { -11.0 };
+        let field = if (tick / 37) % 2 == 0 { 2.0 } else { 0.0 };
+        plant.advance(&Command::new(torque, field), f64::from(tick) * TICK_S).unwrap();
+        segments += 1;
+        reversals += u32::from(plant.state().velocity * last < 0.0);
+        last = plant.state().velocity;
+    }
+    assert!(segments == 8000 && reversals > 100, "{reversals}");
+}

@@ -140,12 +140,21 @@ fn leave_within<F: Flow>(flow: &F, segment: &Segment, t: f64, x: &State, h: f64,
     if last >= 0.0 {
         return None;
     }
-    let first = flow.guard(segment, t, x).max(0.0);
+    let first = flow.guard(segment, t, x);
     let guard = |h: f64| flow.guard(segment, t + h, &flow.step(segment, t, x, h));
-    let h = root(guard, (0.0, first), (h, last)).max(LEAST_ADVANCE_S).min(h);
+    // A state that has just come in over one edge stands on it, and leaves over another later: the way in is no exit.
+    let inside = if first > 0.0 { Some((0.0, first)) } else { just_inside(&guard, h) };
+    let h = inside.map_or(0.0, |inside| root(guard, inside, (h, last))).max(LEAST_ADVANCE_S).min(h);
     let mut state = flow.step(segment, t, x, h);
     flow.leave_regime(segment, t + h, &mut state);
     Some((h, state))
+}
+
+/// The earliest point of a geometric row within `h` at which a guard that begins at zero is positive.
+#[cold]
+fn just_inside(guard: &impl Fn(f64) -> f64, h: f64) -> Option<(f64, f64)> {
+    let times = std::iter::successors(Some(LEAST_ADVANCE_S), |time| Some(8.0 * time)).take_while(|time| *time < h);
+    times.map(|time| (time, guard(time))).find(|(_, value)| *value > 0.0)
 }
 
 /// Whether and when sliding comes to a stop within a step.
