@@ -1,8 +1,7 @@
 //! From recordings to the answer.
 
-use rayon::prelude::*;
-
 use super::controller::mismatch;
+use super::prepare::{Searched, search};
 use super::{Covariance, equivalents, intervals};
 use crate::Error;
 use crate::effects::{Effect, Physics};
@@ -11,7 +10,7 @@ use crate::read::vocabulary;
 use crate::read::{AxisKind, Machine, Recording};
 use crate::refit::{HORIZON_S, Windows};
 use crate::report::{Answer, EffectAnswer, Evidence, FitAnswer, Interval, Rejected, Verdict};
-use crate::screen::{Fit, MAX_P, MIN_GAIN, Motion, Outcome, Problem, Refitter, Search, Trial};
+use crate::screen::{Fit, MAX_P, MIN_GAIN, Outcome, Problem, Refitter, Trial};
 
 /// What is to be diagnosed.
 #[derive(Debug)]
@@ -51,7 +50,8 @@ pub fn diagnose(request: &Request<'_>) -> Result<Diagnosis, Error> {
     let nominal = Physics::of(request.machine, &names)?;
     let mut warnings: Vec<String> = files.iter().flat_map(|recording| recording.notes()).collect();
     let axis = request.machine.axis.kind;
-    let (problem, outcome) = search(request, &nominal);
+    let searched = search(request, &nominal);
+    let (problem, outcome) = (&searched.problem, &searched.outcome);
     if problem.equations.is_empty() {
         let message = "nothing moves long enough in one direction to be judged; record more motion".to_owned();
         return Err(Error::Usage(format!("{}: {message}", names.join(", "))));
@@ -59,45 +59,32 @@ pub fn diagnose(request: &Request<'_>) -> Result<Diagnosis, Error> {
     let fit = &outcome.fit;
     let improved = problem.machine(&fit.active);
     let controller = request.machine.controller.as_ref().and_then(|law| mismatch(law, &files, &mut warnings));
-    let left = leftover(&problem, fit, axis);
+    let left = leftover(problem, fit, axis);
     let (verdict, effects) = match controller {
         Some(answer) => (Verdict::Controller, vec![answer]),
-        None => decide(request, &problem, &outcome, &left),
+        None => decide(request, problem, outcome, &left),
     };
-    warn(&problem, fit, &left, verdict, &mut warnings);
-    let map =
-        if verdict == Verdict::Unknown { residual_map(&problem, fit, &outcome.weights, axis) } else { Vec::new() };
+    if let Some(filter_s) = searched.effort_filter_s {
+        warnings.push(format!(
+            "the recorded torque is no command: it follows what acted as if measured behind a filter of {filter_s:.3} s, and \
+             was corrected for that"
+        ));
+    }
+    warn(problem, fit, &left, verdict, &mut warnings);
+    let map = if verdict == Verdict::Unknown { residual_map(problem, fit, &outcome.weights, axis) } else { Vec::new() };
     let answer = Answer {
         schema: 1,
         verdict,
-        fit: fit_answer(request, &outcome, &nominal, &improved)?,
-        locations: if verdict == Verdict::None { Vec::new() } else { locations(&problem, &outcome.nominal) },
-        regions: if verdict == Verdict::None { Vec::new() } else { regions(&problem, &outcome.nominal, axis) },
-        rejected: rejected(request, &outcome, &effects),
+        fit: fit_answer(request, &searched, &nominal, &improved)?,
+        locations: if verdict == Verdict::None { Vec::new() } else { locations(problem, &outcome.nominal) },
+        regions: if verdict == Verdict::None { Vec::new() } else { regions(problem, &outcome.nominal, axis) },
+        rejected: rejected(request, outcome, &effects),
         effects,
         experiment: None,
         warnings,
         residual_map: map,
     };
     Ok(Diagnosis { answer, nominal, improved })
-}
-
-/// Searches twice: the smoother knew the nominal torques only; with those of the improved machine reversals are where they
-/// were.
-fn search(request: &Request<'_>, nominal: &Physics) -> (Problem, Outcome) {
-    let linear = request.machine.axis.kind == AxisKind::Linear;
-    let resolution = request.machine.axis.resolution;
-    let motions = request.recordings.par_iter().map(|r| Motion::new(r, nominal, resolution)).collect();
-    let problem = Problem::new(motions, nominal.clone());
-    let outcome = Search::new(&problem, request.vocabulary, linear).run(&[]);
-    if outcome.fit.active.is_empty() {
-        return (problem, outcome);
-    }
-    let found = problem.machine(&outcome.fit.active);
-    let motions = problem.motions.par_iter().enumerate().map(|(index, m)| m.again(&found, index, resolution)).collect();
-    let problem = Problem::new(motions, nominal.clone());
-    let outcome = Search::new(&problem, request.vocabulary, linear).run(&outcome.fit.active);
-    (problem, outcome)
 }
 
 /// Verdict and effects where the controller is right or not known.
@@ -258,18 +245,19 @@ fn effect_answer(
 
 fn fit_answer(
     request: &Request<'_>,
-    outcome: &Outcome,
+    searched: &Searched,
     nominal: &Physics,
     improved: &Physics,
 ) -> Result<FitAnswer, Error> {
-    let fitted = request.recordings;
+    let outcome = &searched.outcome;
+    let (fitted, holdout) = searched.recordings.split_at(request.recordings.len());
     let (before, after) = (Windows::new(nominal, fitted, 0)?.rms(), Windows::new(improved, fitted, 0)?.rms());
     let first = fitted.len();
-    let (heldout_before, heldout_after) = if request.holdout.is_empty() {
+    let (heldout_before, heldout_after) = if holdout.is_empty() {
         let share = |fit: &Fit| (fit.heldout_sse() / fit.sse.max(1e-300)).sqrt();
         (before * share(&outcome.nominal), after * share(&outcome.fit))
     } else {
-        let rms = |physics| Windows::new(physics, request.holdout, first).map(|windows| windows.rms());
+        let rms = |physics| Windows::new(physics, holdout, first).map(|windows| windows.rms());
         (rms(nominal)?, rms(improved)?)
     };
     let floor = outcome.fit.residual_count();

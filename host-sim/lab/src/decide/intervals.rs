@@ -16,7 +16,7 @@ impl Covariance {
     /// Scores are summed over blocks, so that what is correlated within one counts once; where few blocks inform a value,
     /// the homoscedastic estimate with the correlation of neighbours is wider and is taken.
     pub fn new(problem: &Problem, fit: &Fit, inflation: f64) -> Self {
-        let count = fit.freedom();
+        let count = fit.jacobian.ncols();
         let normal = fit.jacobian.tr_mul(&fit.jacobian);
         let inverse = scaled_inverse(&normal);
         let mut scores = vec![DVector::<f64>::zeros(count); problem.blocks];
@@ -29,7 +29,7 @@ impl Covariance {
             middle += score * score.transpose();
         }
         let clustered = &inverse * middle * &inverse * (used / (used - 1.0));
-        let variance = fit.sse / (fit.residual.len() as f64 - count as f64).max(1.0);
+        let variance = fit.sse / (fit.residual_count() - count as f64).max(1.0);
         let plain = &inverse * variance * inflation;
         let matrix = DMatrix::from_fn(count, count, |r, c| {
             let (wide_r, wide_c) = (widening(&clustered, &plain, r), widening(&clustered, &plain, c));

@@ -4,6 +4,7 @@ mod controller;
 mod diagnose;
 mod equivalents;
 mod intervals;
+mod prepare;
 
 pub use diagnose::{Diagnosis, Request, diagnose};
 pub use equivalents::equivalents;

@@ -198,6 +198,11 @@ impl Effect {
         (0..count).map(range).collect()
     }
 
+    /// The recording that the value at `index` belongs to alone; none for what holds for all of them.
+    pub fn recording_of(&self, index: usize) -> Option<usize> {
+        (self.id == "vibration" && index > 0).then(|| (index - 1) / 2)
+    }
+
     /// Number of fitted values that count as freedom, for values of that length.
     pub fn freedom(&self, values: &[f64]) -> usize {
         (0..values.len()).filter(|&index| self.parameter(index).free).count()

@@ -19,7 +19,10 @@ struct Point {
 }
 
 fn points(problem: &Problem, residual: &[f64], width: usize) -> Vec<Point> {
-    let rows = problem.equations.iter().zip(residual).filter(|(equation, _)| equation.width == width);
+    let rows = problem.equations[..problem.fitted_equations()]
+        .iter()
+        .zip(residual)
+        .filter(|(equation, _)| equation.width == width);
     rows.map(|(equation, &value)| Point {
         recording: equation.recording,
         t_s: equation.row.centre_s,
@@ -32,7 +35,7 @@ fn points(problem: &Problem, residual: &[f64], width: usize) -> Vec<Point> {
 /// Sizes of the excitation and what stands out of the residual, N m (N).
 pub(crate) fn excitation(problem: &Problem, physics: &Physics, residual: &[f64], linear: bool) -> Excitation {
     let peak = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0_f64, |peak, v| peak.max(v.abs()));
-    let motions = &problem.motions;
+    let motions = &problem.motions[..problem.fitted];
     let efforts = || motions.iter().flat_map(|m| m.effort.iter().copied());
     let count = efforts().count().max(1) as f64;
     let range = |motion: &super::Motion| {
@@ -51,7 +54,7 @@ pub(crate) fn excitation(problem: &Problem, physics: &Physics, residual: &[f64],
         field_peak,
         duration_s,
         period_s: motions.iter().map(|m| m.period_s).fold(0.0, f64::max),
-        recordings: motions.len(),
+        recordings: problem.motions.len(),
         linear,
         orders: orders(&fine, travel, linear),
         pulses: pulses(problem, residual),
@@ -62,6 +65,16 @@ pub(crate) fn excitation(problem: &Problem, physics: &Physics, residual: &[f64],
 /// Orders over position that stand out of a residual, N m (N), best first.
 pub(crate) fn orders_left(problem: &Problem, residual: &[f64], excitation: &Excitation) -> Vec<f64> {
     orders(&points(problem, residual, 0), excitation.travel, excitation.linear)
+}
+
+/// Orders that stand out of something given over position, best first.
+pub(crate) fn orders_of(position: &[f64], values: &[f64], linear: bool) -> Vec<f64> {
+    let stride = position.len().div_ceil(4000).max(1);
+    let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
+    let pairs = position.iter().zip(values).step_by(stride);
+    let point = |(&position, &value): (&f64, &f64)| Point { recording: 0, t_s: 0.0, position, value: value - mean };
+    let (low, high) = position.iter().fold((f64::MAX, f64::MIN), |(low, high), &q| (low.min(q), high.max(q)));
+    orders(&pairs.map(point).collect::<Vec<_>>(), high - low, linear)
 }
 
 /// Share of the variance that a sine explains, by Lomb's normalisation.
@@ -143,7 +156,7 @@ const LONGEST: usize = 120;
 /// In each recording the span whose mean stands out most, where it does so far beyond any other.
 fn pulses(problem: &Problem, residual: &[f64]) -> Vec<Pulse> {
     let mut all = Vec::new();
-    for recording in 0..problem.motions.len() {
+    for recording in 0..problem.fitted {
         let points: Vec<(f64, f64)> = problem
             .equations
             .iter()

@@ -12,10 +12,14 @@ pub struct Fit {
     pub active: Vec<Active>,
     /// Weighted residual of each equation.
     pub(crate) residual: DVector<f64>,
-    /// Derivatives of the weighted residual by each free value.
+    /// Derivatives of the weighted residual by each free value; zero in the equations that do not fit that value.
     pub(crate) jacobian: DMatrix<f64>,
-    /// Sum of squares of the weighted residual.
+    /// Sum of squares of the weighted residual over the recordings to fit.
     pub sse: f64,
+    /// Number of equations to fit.
+    count: usize,
+    /// Number of values that were free, without those of single recordings that are only predicted.
+    freedom: usize,
     /// Sum of squares in each block, predicted by a fit without that block.
     pub(crate) heldout: Vec<f64>,
 }
@@ -26,14 +30,14 @@ impl Fit {
         self.heldout.iter().sum()
     }
 
-    /// Number of equations, which is the sum of squares that noise alone would leave.
+    /// Number of equations to fit, which is the sum of squares that noise alone would leave.
     pub fn residual_count(&self) -> f64 {
-        self.residual.len() as f64
+        self.count as f64
     }
 
     /// Number of values that were free.
     pub fn freedom(&self) -> usize {
-        self.jacobian.ncols()
+        self.freedom
     }
 }
 
@@ -52,6 +56,8 @@ struct Place {
     step: f64,
     low: f64,
     high: f64,
+    /// Belongs to this recording alone.
+    recording: Option<usize>,
 }
 
 fn places(active: &[Active]) -> Vec<Place> {
@@ -60,7 +66,8 @@ fn places(active: &[Active]) -> Vec<Place> {
         for (value, &now) in entry.values.iter().enumerate() {
             if entry.effect.parameter(value).free {
                 let Range { low, high, scale } = entry.ranges[value];
-                all.push(Place { effect: index, value, step: 1e-3 * now.abs().max(scale), low, high });
+                let recording = entry.effect.recording_of(value);
+                all.push(Place { effect: index, value, step: 1e-3 * now.abs().max(scale), low, high, recording });
             }
         }
     }
@@ -106,9 +113,24 @@ impl Fitter<'_> {
             jacobian.columns_mut(0, known).copy_from(given);
         }
         for (index, &place) in places.iter().enumerate().skip(known) {
-            jacobian.set_column(index, &self.column(active, place, residual, parts));
+            let mut column = self.column(active, place, residual, parts);
+            // What is only predicted teaches nothing but the phases that each recording has for itself.
+            if place.recording.is_none_or(|recording| recording < self.problem.fitted) {
+                column.rows_range_mut(self.count()..).fill(0.0);
+            }
+            jacobian.set_column(index, &column);
         }
         jacobian
+    }
+
+    /// Number of equations to fit.
+    fn count(&self) -> usize {
+        self.problem.fitted_equations()
+    }
+
+    /// Sum of squares over the equations to fit.
+    fn squares(&self, residual: &DVector<f64>) -> f64 {
+        residual.rows_range(..self.count()).norm_squared()
     }
 
     /// What one bounded step from these values would reach: sum of squares, and the values.
@@ -118,7 +140,7 @@ impl Fitter<'_> {
         let step = bounded_step(active, &residual, &jacobian, 1e-9);
         let reached = moved(active, &step);
         let (after, _) = self.residual(&reached, Some(&parts));
-        let (before, after) = (residual.norm_squared(), after.norm_squared());
+        let (before, after) = (self.squares(&residual), self.squares(&after));
         if after < before { (after, reached) } else { (before, active.to_vec()) }
     }
 
@@ -150,7 +172,7 @@ impl Fitter<'_> {
             let step = bounded_step(&active, &residual, &jacobian, damping);
             let trial = moved(&active, &step);
             let (after, after_parts) = self.residual(&trial, Some(&parts));
-            let (old, new) = (residual.norm_squared(), after.norm_squared());
+            let (old, new) = (self.squares(&residual), self.squares(&after));
             if new < old {
                 (active, residual, parts) = (trial, after, after_parts);
                 jacobian = self.jacobian(&active, &residual, &parts, given);
@@ -166,7 +188,9 @@ impl Fitter<'_> {
             }
         }
         let heldout = self.heldout(&active, &residual, &jacobian);
-        Fit { active, sse: residual.norm_squared(), residual, jacobian, heldout }
+        let own = |place: &Place| place.recording.is_some_and(|recording| recording >= self.problem.fitted);
+        let freedom = places(&active).iter().filter(|place| !own(place)).count();
+        Fit { active, sse: self.squares(&residual), residual, jacobian, heldout, count: self.count(), freedom }
     }
 
     /// Squares of each block as a fit without it predicts them, by one Gauss-Newton step from the common optimum.

@@ -38,8 +38,10 @@ pub(crate) struct Equation {
 /// All equations of a set of recordings, with the nominal machine.
 #[derive(Debug, Clone)]
 pub struct Problem {
-    /// The recordings.
+    /// The recordings: those to fit, then those that are only predicted.
     pub(crate) motions: Vec<Motion>,
+    /// Number of recordings to fit.
+    pub(crate) fitted: usize,
     pub(crate) equations: Vec<Equation>,
     /// Number of blocks.
     pub(crate) blocks: usize,
@@ -59,8 +61,8 @@ pub(crate) struct Parts {
 }
 
 impl Problem {
-    /// Builds the equations of the recordings.
-    pub(crate) fn new(motions: Vec<Motion>, nominal: Physics) -> Self {
+    /// Builds the equations of the recordings; those behind the first `fitted` are predicted and never fitted.
+    pub(crate) fn new(motions: Vec<Motion>, fitted: usize, nominal: Physics) -> Self {
         let mut equations = Vec::new();
         let mut blocks = 0;
         for (recording, motion) in motions.iter().enumerate() {
@@ -82,7 +84,12 @@ impl Problem {
             blocks += (span_s / block_s).ceil() as usize + 1;
             equations.append(&mut of_recording);
         }
-        Self { motions, equations, blocks, nominal }
+        Self { motions, fitted, equations, blocks, nominal }
+    }
+
+    /// Number of equations to fit; they come before those that are only predicted.
+    pub(crate) fn fitted_equations(&self) -> usize {
+        self.equations.partition_point(|equation| equation.recording < self.fitted)
     }
 
     /// The machine with effects put into it.
@@ -122,11 +129,12 @@ impl Problem {
         motors.first().map(|&motor| (pulls, motor))
     }
 
-    /// Residual of each equation, N m (N), unweighted: inertia times acceleration minus the torque. Bounds of the effects
-    /// keep a model from improving by scaling all its torques down.
+    /// Residual of each equation, N m (N), unweighted: the acceleration that the model does not predict, times the nominal
+    /// inertia. Against the torque itself a model would improve by scaling inertia and all torques down together.
     pub(crate) fn residual(&self, parts: &Parts) -> Vec<f64> {
         let physics = &parts.physics;
         let inertia = parts.load.as_ref().map_or(physics.inertia, |(_, motor)| *motor);
+        let nominal = self.nominal.inertia;
         let mut cells: Vec<Vec<f64>> = Vec::with_capacity(self.motions.len());
         for (index, motion) in self.motions.iter().enumerate() {
             let mut torque: Vec<f64> = (0..motion.cells())
@@ -150,7 +158,7 @@ impl Problem {
                 let acceleration = true_position
                     .as_ref()
                     .map_or(equation.acceleration, |q| equation.row.acceleration(&q[equation.recording]));
-                inertia * acceleration - equation.row.mean(&cells[equation.recording])
+                nominal * (acceleration - equation.row.mean(&cells[equation.recording]) / inertia)
             })
             .collect()
     }

@@ -1,20 +1,14 @@
 //! Forward, exchange and backward steps over the vocabulary, judged by blocks left out.
 
 use rayon::prelude::*;
-use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
 use super::candidates::{excitation, orders_left};
 use super::fit::{Fit, Fitter};
-use super::noise::deviations;
+use super::judge::{MIN_GAIN, Trial, p_value, paired_t, relative_t, worse};
+use super::noise::weights;
 use super::problem::{Active, Problem};
 use crate::effects::{Effect, Excitation};
 
-/// Least gain in held-out error for an effect to be accepted.
-pub const MIN_GAIN: f64 = 0.03;
-/// Largest p-value, after correction for every variant tried.
-pub const MAX_P: f64 = 1e-3;
-/// Least t of the improvement over blocks: what a few neighbouring residuals share is no evidence.
-const MIN_T: f64 = 3.0;
 /// Effects of a combination at most, orders of cogging counted as one.
 const MAX_EFFECTS: usize = 4;
 /// Entries at most: several orders of cogging are one effect.
@@ -22,29 +16,7 @@ const MAX_ENTRIES: usize = 7;
 /// Start values that are fitted to the end.
 const FINALISTS: usize = 2;
 /// Iterations of a fit.
-const ITERATIONS: usize = 12;
-
-/// An effect tried on top of others.
-#[derive(Debug, Clone)]
-pub struct Trial {
-    /// Which.
-    pub effect: &'static Effect,
-    /// All effects together at their optimum; the tried one is the last.
-    pub fit: Fit,
-    /// Relative fall of the held-out root mean square.
-    pub gain: f64,
-    /// Of the improvement, corrected for every variant tried.
-    pub p_value: f64,
-    /// t of the held-out improvement, paired over blocks; infinite for an event, which is in one block only.
-    pub t: f64,
-}
-
-impl Trial {
-    /// Whether it passes all tests.
-    pub fn accepted(&self) -> bool {
-        self.gain >= MIN_GAIN && self.p_value < MAX_P && self.t >= MIN_T
-    }
-}
+pub(super) const ITERATIONS: usize = 12;
 
 /// Where the search ended.
 #[derive(Debug, Clone)]
@@ -64,7 +36,7 @@ pub struct Outcome {
 }
 
 /// Effects that change the same numbers cannot stand together.
-fn conflicts(a: &Effect, b: &Effect) -> bool {
+pub(super) fn conflicts(a: &Effect, b: &Effect) -> bool {
     const GROUPS: [&[&str]; 3] = [
         &["field_lag", "field_lag_asymmetry"],
         &[
@@ -92,51 +64,11 @@ fn duplicate(active: &[Active], entry: &Active) -> bool {
         && active.iter().any(|other| other.effect.id == "cogging" && (other.values[0] - entry.values[0]).abs() < 0.5)
 }
 
-fn full(active: &[Active], effect: &Effect) -> bool {
+pub(super) fn full(active: &[Active], effect: &Effect) -> bool {
     let mut ids: Vec<&str> = active.iter().map(|entry| entry.effect.id).chain([effect.id]).collect();
     ids.sort_unstable();
     ids.dedup();
     ids.len() > MAX_EFFECTS || active.len() >= MAX_ENTRIES
-}
-
-/// Refits models under fixed weights, after the search.
-#[derive(Debug)]
-pub struct Refitter<'a> {
-    search: Search<'a>,
-}
-
-impl<'a> Refitter<'a> {
-    /// Under the weights and with the candidates that a search ended with.
-    pub fn new(problem: &'a Problem, outcome: &Outcome) -> Self {
-        let (weights, excitation) = (outcome.weights.clone(), outcome.excitation.clone());
-        Self {
-            search: Search { problem, vocabulary: &[], linear: excitation.linear, weights, excitation, variants: 0 },
-        }
-    }
-
-    /// The optimum of a set of effects from their values.
-    pub fn fit(&self, active: &[Active]) -> Fit {
-        self.search.fitter().fit(active, ITERATIONS)
-    }
-
-    /// Each effect that fits on top of a set, at their common optimum.
-    pub fn each_on(&self, active: &[Active], vocabulary: &[&'static Effect]) -> Vec<(&'static Effect, Fit)> {
-        let base = self.fit(active);
-        let open = vocabulary.par_iter().copied().filter(|effect| {
-            !base.active.iter().any(|entry| conflicts(entry.effect, effect)) && !full(&base.active, effect)
-        });
-        open.filter_map(|effect| self.search.attempt(&base, effect).map(|(fit, _)| (effect, fit))).collect()
-    }
-
-    /// p-value of the last effects of `fit` on top of `base`, uncorrected.
-    pub fn p_value(&self, base: &Fit, fit: &Fit) -> f64 {
-        p_value(self.search.problem, base, fit)
-    }
-
-    /// How many neighbouring equations of a fit count as one.
-    pub fn inflation(&self, fit: &Fit) -> f64 {
-        inflation(self.search.problem, fit)
-    }
 }
 
 /// Searches a vocabulary over the recordings of a problem.
@@ -159,20 +91,31 @@ impl<'a> Search<'a> {
         search
     }
 
+    /// The search as an outcome left it.
+    pub(super) fn resumed(problem: &'a Problem, outcome: &Outcome) -> Self {
+        let (weights, excitation) = (outcome.weights.clone(), outcome.excitation.clone());
+        Self { problem, vocabulary: &[], linear: excitation.linear, weights, excitation, variants: 0 }
+    }
+
+    /// The problem that is searched.
+    pub(super) fn problem(&self) -> &'a Problem {
+        self.problem
+    }
+
     /// New weights and candidates from what is left by a model.
     fn weigh(&mut self, active: &[Active]) {
         let machine = self.problem.machine(active);
         let raw = self.problem.residual(&self.problem.parts(&machine, None));
         self.excitation = excitation(self.problem, &machine, &raw, self.linear);
-        self.weights = deviations(self.problem, &raw, machine.inertia).iter().map(|s| 1.0 / s).collect();
+        self.weights = weights(self.problem, &raw);
     }
 
-    fn fitter(&self) -> Fitter<'_> {
+    pub(super) fn fitter(&self) -> Fitter<'_> {
         Fitter { problem: self.problem, weights: &self.weights }
     }
 
     /// The best values of an effect on top of a model.
-    fn attempt(&self, base: &Fit, effect: &'static Effect) -> Option<(Fit, usize)> {
+    pub(super) fn attempt(&self, base: &Fit, effect: &'static Effect) -> Option<(Fit, usize)> {
         let machine = self.problem.machine(&base.active);
         if !(effect.applies)(&machine, &self.excitation) {
             return None;
@@ -284,23 +227,14 @@ impl<'a> Search<'a> {
         if !start.is_empty() {
             self.weigh(start);
         }
-        let mut fit = self.fitter().fit(start, ITERATIONS);
-        fit = self.backward(fit);
+        let mut fit = self.backward(self.fitter().fit(start, ITERATIONS));
         let mut seen: Vec<Trial> = Vec::new();
-        // A step that the next one takes back would repeat for ever.
         for _ in 0..=MAX_EFFECTS {
-            let trials = self.round(&fit);
-            let chosen = self.choose(&trials).cloned();
-            merge(&mut seen, &trials);
-            let Some(chosen) = chosen else { break };
             let before = fit.active.len();
-            fit = self.fitter().fit(&chosen.fit.active, ITERATIONS);
-            fit = self.exchange(fit, &seen);
-            fit = self.backward(fit);
-            let stays = fit.active.len() <= before;
-            self.weigh(&fit.active);
-            fit = self.fitter().fit(&fit.active, ITERATIONS);
-            if stays {
+            let Some(next) = self.forward(&fit, &mut seen) else { break };
+            fit = next;
+            // A step that the next one takes back would repeat for ever.
+            if fit.active.len() <= before {
                 break;
             }
         }
@@ -317,42 +251,46 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Replaces one member by another effect while that predicts better.
-    fn exchange(&mut self, fit: Fit, seen: &[Trial]) -> Fit {
+    /// One effect more, members exchanged and dropped, under new weights; none where nothing more is accepted.
+    fn forward(&mut self, base: &Fit, seen: &mut Vec<Trial>) -> Option<Fit> {
+        let trials = self.round(base);
+        let chosen = self.choose(&trials).cloned();
+        merge(seen, &trials);
+        let fit = self.fitter().fit(&chosen?.fit.active, ITERATIONS);
+        let fit = self.backward(self.exchange(fit, seen));
+        self.weigh(&fit.active);
+        Some(self.fitter().fit(&fit.active, ITERATIONS))
+    }
+
+    /// Replaces one member by another effect where that predicts better.
+    fn exchange(&self, fit: Fit, seen: &[Trial]) -> Fit {
         if fit.active.len() < 2 {
             return fit;
         }
-        let mut best = fit;
-        for _ in 0..1 {
-            let mut better: Option<Fit> = None;
-            for index in 0..best.active.len() {
-                let mut rest = best.active.clone();
-                let out = rest.remove(index);
-                let base = self.fitter().fit(&rest, ITERATIONS);
-                let open: Vec<&'static Effect> = seen
-                    .iter()
-                    .filter(|trial| trial.gain > MIN_GAIN)
-                    .map(|trial| trial.effect)
-                    .filter(|effect| effect.id != out.effect.id)
-                    .filter(|effect| !rest.iter().any(|entry| conflicts(entry.effect, effect)))
-                    .take(4)
-                    .collect();
-                let fits: Vec<Fit> =
-                    open.par_iter().filter_map(|&effect| self.attempt(&base, effect)).map(|(fit, _)| fit).collect();
-                for fit in fits {
-                    let top = better.as_ref().unwrap_or(&best);
-                    let gain = 1.0 - (fit.heldout_sse() / top.heldout_sse()).sqrt();
-                    if gain > 0.01 && worse(top, &fit) {
-                        better = Some(fit);
-                    }
-                }
-            }
-            match better {
-                Some(fit) => best = fit,
-                None => break,
+        let mut best = fit.clone();
+        for candidate in (0..fit.active.len()).flat_map(|index| self.without_and_with(&fit, index, seen)) {
+            let gain = 1.0 - (candidate.heldout_sse() / best.heldout_sse()).sqrt();
+            if gain > 0.01 && worse(&best, &candidate) {
+                best = candidate;
             }
         }
         best
+    }
+
+    /// Fits with one member left out and each of the best other effects in its place.
+    fn without_and_with(&self, fit: &Fit, index: usize, seen: &[Trial]) -> Vec<Fit> {
+        let mut rest = fit.active.clone();
+        let out = rest.remove(index);
+        let base = self.fitter().fit(&rest, ITERATIONS);
+        let open: Vec<&'static Effect> = seen
+            .iter()
+            .filter(|trial| trial.gain > MIN_GAIN)
+            .map(|trial| trial.effect)
+            .filter(|effect| effect.id != out.effect.id)
+            .filter(|effect| !rest.iter().any(|entry| conflicts(entry.effect, effect)))
+            .take(4)
+            .collect();
+        open.par_iter().filter_map(|&effect| self.attempt(&base, effect)).map(|(fit, _)| fit).collect()
     }
 
     /// Drops members that the held-out blocks do not miss.
@@ -384,62 +322,4 @@ fn merge(seen: &mut Vec<Trial>, trials: &[Trial]) {
             None => seen.push(trial.clone()),
         }
     }
-}
-
-/// Whether `fit` predicts the blocks significantly worse than `best`: paired over blocks, and by more than a hair.
-pub fn worse(fit: &Fit, best: &Fit) -> bool {
-    paired_t(fit, best) > 2.0 && fit.heldout_sse() - best.heldout_sse() > 0.01 * best.heldout_sse()
-}
-
-/// t of the fall of the held-out squares from one fit to another, paired over blocks.
-fn paired_t(from: &Fit, to: &Fit) -> f64 {
-    let pairs = from.heldout.iter().zip(&to.heldout).filter(|(a, b)| **a > 0.0 || **b > 0.0);
-    let changes: Vec<f64> = pairs.map(|(a, b)| a - b).collect();
-    t_of_mean(&changes)
-}
-
-fn t_of_mean(changes: &[f64]) -> f64 {
-    let count = changes.len() as f64;
-    if count < 2.0 {
-        return 0.0;
-    }
-    let mean = changes.iter().sum::<f64>() / count;
-    let variance = changes.iter().map(|c| (c - mean) * (c - mean)).sum::<f64>() / (count - 1.0);
-    mean / (variance / count).sqrt().max(1e-300)
-}
-
-/// The same with each block's change relative to its size: an effect that shows in a few strong blocks is as certain as
-/// one that shows a little in all.
-fn relative_t(from: &Fit, to: &Fit) -> f64 {
-    let relative = |(a, b): (&f64, &f64)| (a + b > 0.0).then(|| (a - b) / (a + b));
-    let changes: Vec<f64> = from.heldout.iter().zip(&to.heldout).filter_map(relative).collect();
-    t_of_mean(&changes)
-}
-
-/// F-test of an improvement, its freedom reduced by the correlation of neighbouring residuals (Newey-West, Bartlett).
-fn p_value(problem: &Problem, base: &Fit, fit: &Fit) -> f64 {
-    let added = fit.freedom().saturating_sub(base.freedom()).max(1) as f64;
-    let inflation = inflation(problem, fit);
-    let count = (fit.residual.len() as f64 / inflation - fit.freedom() as f64).max(1.0);
-    let numerator = (base.sse - fit.sse).max(0.0) / added / inflation;
-    let statistic = numerator / (fit.sse / fit.residual.len() as f64);
-    FisherSnedecor::new(added, count).map_or(1.0, |f| f.sf(statistic).max(1e-300))
-}
-
-/// How many neighbouring equations count as one: one plus twice the tapered autocorrelations over 0.1 s.
-fn inflation(problem: &Problem, fit: &Fit) -> f64 {
-    let reach_s = 0.1;
-    let equations = &problem.equations;
-    let (mut cross, mut squares) = (0.0, 0.0);
-    for i in 0..equations.len() {
-        squares += fit.residual[i] * fit.residual[i];
-        for j in i + 1..equations.len() {
-            let apart_s = equations[j].row.centre_s - equations[i].row.centre_s;
-            if equations[j].recording != equations[i].recording || apart_s > reach_s {
-                break;
-            }
-            cross += (1.0 - apart_s / reach_s) * fit.residual[i] * fit.residual[j];
-        }
-    }
-    (1.0 + 2.0 * cross / squares.max(1e-300)).max(1.0)
 }

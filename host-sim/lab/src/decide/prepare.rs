@@ -1,0 +1,74 @@
+//! From recordings to the searched problem: the recorded torque made good, the motion smoothed with what was found.
+
+use rayon::prelude::*;
+
+use super::Request;
+use crate::effects::Physics;
+use crate::read::{AxisKind, Recording};
+use crate::screen::{Active, Motion, Outcome, Problem, Search, effort_filter_s};
+
+/// What was searched, and how it ended.
+#[derive(Debug)]
+pub(super) struct Searched {
+    /// The equations.
+    pub problem: Problem,
+    /// The best model.
+    pub outcome: Outcome,
+    /// The recordings, to fit and then only to predict, with their torque made good.
+    pub recordings: Vec<Recording>,
+    /// Time constant of the filter that the recorded torque was measured behind, s.
+    pub effort_filter_s: Option<f64>,
+}
+
+/// Searches twice: the smoother knew the nominal torques only; with those of the improved machine reversals are where they
+/// were.
+pub(super) fn search(request: &Request<'_>, nominal: &Physics) -> Searched {
+    let mut recordings: Vec<Recording> = request.recordings.iter().chain(request.holdout).cloned().collect();
+    let linear = request.machine.axis.kind == AxisKind::Linear;
+    let mut problem = problem(request, &recordings, nominal);
+    // Where the drive's delay, the fluid or the controller is known, the column is the command.
+    let commanded = request.machine.controller.is_some() || nominal.damper.is_some() || nominal.torque_delay_s > 0.0;
+    let filter = if commanded { None } else { effort_filter_s(&problem.motions[..problem.fitted], linear) };
+    if let Some(filter_s) = filter {
+        recordings.iter_mut().for_each(|recording| unfilter(recording, filter_s));
+        problem = self::problem(request, &recordings, nominal);
+    }
+    let outcome = run(request, &problem, &[]);
+    again(request, Searched { problem, outcome, recordings, effort_filter_s: filter }, nominal)
+}
+
+fn problem(request: &Request<'_>, recordings: &[Recording], nominal: &Physics) -> Problem {
+    let resolution = request.machine.axis.resolution;
+    let motions = recordings.par_iter().map(|recording| Motion::new(recording, nominal, resolution)).collect();
+    Problem::new(motions, request.recordings.len(), nominal.clone())
+}
+
+fn run(request: &Request<'_>, problem: &Problem, start: &[Active]) -> Outcome {
+    let linear = request.machine.axis.kind == AxisKind::Linear;
+    Search::new(problem, request.vocabulary, linear).run(start)
+}
+
+fn again(request: &Request<'_>, first: Searched, nominal: &Physics) -> Searched {
+    let active = &first.outcome.fit.active;
+    if active.is_empty() {
+        return first;
+    }
+    let found = first.problem.machine(active);
+    let resolution = request.machine.axis.resolution;
+    let motions = first.problem.motions.par_iter().enumerate().map(|(index, m)| m.again(&found, index, resolution));
+    let problem = Problem::new(motions.collect(), request.recordings.len(), nominal.clone());
+    let outcome = run(request, &problem, active);
+    Searched { problem, outcome, ..first }
+}
+
+/// What acted, from what was measured behind a first-order filter: u + tau du/dt.
+fn unfilter(recording: &mut Recording, filter_s: f64) {
+    let (t_s, measured) = (&recording.t_s, recording.effort_cmd.clone());
+    let last = measured.len() - 1;
+    for (row, effort) in recording.effort_cmd.iter_mut().enumerate() {
+        let (before, after) = (row.saturating_sub(1), (row + 1).min(last));
+        if after > before {
+            *effort += filter_s * (measured[after] - measured[before]) / (t_s[after] - t_s[before]);
+        }
+    }
+}

@@ -1,0 +1,94 @@
+//! Whether an effect is there: held-out gain, F-test under coloured residuals, and certainty over blocks.
+
+use statrs::distribution::{ContinuousCDF, FisherSnedecor};
+
+use super::fit::Fit;
+use super::problem::Problem;
+use crate::effects::Effect;
+
+/// Least gain in held-out error for an effect to be accepted.
+pub const MIN_GAIN: f64 = 0.03;
+/// Largest p-value, after correction for every variant tried.
+pub const MAX_P: f64 = 1e-3;
+/// Least t of the improvement over blocks: what a few neighbouring residuals share is no evidence.
+const MIN_T: f64 = 3.0;
+
+/// An effect tried on top of others.
+#[derive(Debug, Clone)]
+pub struct Trial {
+    /// Which.
+    pub effect: &'static Effect,
+    /// All effects together at their optimum; the tried one is the last.
+    pub fit: Fit,
+    /// Relative fall of the held-out root mean square.
+    pub gain: f64,
+    /// Of the improvement, corrected for every variant tried.
+    pub p_value: f64,
+    /// t of the held-out improvement, paired over blocks; infinite for an event, which is in one block only.
+    pub t: f64,
+}
+
+impl Trial {
+    /// Whether it passes all tests.
+    pub fn accepted(&self) -> bool {
+        self.gain >= MIN_GAIN && self.p_value < MAX_P && self.t >= MIN_T
+    }
+}
+
+/// Whether `fit` predicts the blocks significantly worse than `best`: paired over blocks, and by more than a hair.
+pub fn worse(fit: &Fit, best: &Fit) -> bool {
+    paired_t(fit, best) > 2.0 && fit.heldout_sse() - best.heldout_sse() > 0.01 * best.heldout_sse()
+}
+
+/// t of the fall of the held-out squares from one fit to another, paired over blocks.
+pub(super) fn paired_t(from: &Fit, to: &Fit) -> f64 {
+    let pairs = from.heldout.iter().zip(&to.heldout).filter(|(a, b)| **a > 0.0 || **b > 0.0);
+    let changes: Vec<f64> = pairs.map(|(a, b)| a - b).collect();
+    t_of_mean(&changes)
+}
+
+fn t_of_mean(changes: &[f64]) -> f64 {
+    let count = changes.len() as f64;
+    if count < 2.0 {
+        return 0.0;
+    }
+    let mean = changes.iter().sum::<f64>() / count;
+    let variance = changes.iter().map(|c| (c - mean) * (c - mean)).sum::<f64>() / (count - 1.0);
+    mean / (variance / count).sqrt().max(1e-300)
+}
+
+/// The same with each block's change relative to its size: an effect that shows in a few strong blocks is as certain as
+/// one that shows a little in all.
+pub(super) fn relative_t(from: &Fit, to: &Fit) -> f64 {
+    let relative = |(a, b): (&f64, &f64)| (a + b > 0.0).then(|| (a - b) / (a + b));
+    let changes: Vec<f64> = from.heldout.iter().zip(&to.heldout).filter_map(relative).collect();
+    t_of_mean(&changes)
+}
+
+/// F-test of an improvement, its freedom reduced by the correlation of neighbouring residuals (Newey-West, Bartlett).
+pub(super) fn p_value(problem: &Problem, base: &Fit, fit: &Fit) -> f64 {
+    let added = fit.freedom().saturating_sub(base.freedom()).max(1) as f64;
+    let inflation = inflation(problem, fit);
+    let count = (fit.residual_count() / inflation - fit.freedom() as f64).max(1.0);
+    let numerator = (base.sse - fit.sse).max(0.0) / added / inflation;
+    let statistic = numerator / (fit.sse / fit.residual_count());
+    FisherSnedecor::new(added, count).map_or(1.0, |f| f.sf(statistic).max(1e-300))
+}
+
+/// How many neighbouring equations count as one: one plus twice the tapered autocorrelations over 0.1 s.
+pub(super) fn inflation(problem: &Problem, fit: &Fit) -> f64 {
+    let reach_s = 0.1;
+    let equations = &problem.equations[..problem.fitted_equations()];
+    let (mut cross, mut squares) = (0.0, 0.0);
+    for i in 0..equations.len() {
+        squares += fit.residual[i] * fit.residual[i];
+        for j in i + 1..equations.len() {
+            let apart_s = equations[j].row.centre_s - equations[i].row.centre_s;
+            if equations[j].recording != equations[i].recording || apart_s > reach_s {
+                break;
+            }
+            cross += (1.0 - apart_s / reach_s) * fit.residual[i] * fit.residual[j];
+        }
+    }
+    (1.0 + 2.0 * cross / squares.max(1e-300)).max(1.0)
+}
