@@ -40,6 +40,9 @@ pub struct Diagnosis {
 /// percentile (diagnosis.md).
 const EXPLAINS: f64 = 0.85;
 
+/// An effect that lowers the held-out error by less does not make the whole answer uncertain where it has equivalents.
+const MINOR: f64 = 0.1;
+
 /// Diagnoses recordings.
 ///
 /// # Errors
@@ -109,7 +112,7 @@ fn decide(
         Verdict::Unknown
     } else if effects.is_empty() {
         Verdict::None
-    } else if effects.iter().any(|effect| !effect.equivalent.is_empty()) {
+    } else if effects.iter().any(|effect| !effect.equivalent.is_empty() && effect.evidence.heldout_gain > MINOR) {
         Verdict::Ambiguous
     } else {
         Verdict::Named

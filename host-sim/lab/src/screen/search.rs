@@ -213,13 +213,15 @@ impl<'a> Search<'a> {
         Trial { effect, fit, gain: 1.0 - (after / before.max(1e-300)).sqrt(), p_value, t }
     }
 
-    /// Among accepted trials, the simplest that predicts not significantly worse than the best.
+    /// Among accepted trials, the simplest that predicts not significantly worse than the best; the scale of the drive last
+    /// among equals, because it stands for every other torque together.
     fn choose<'t>(&self, trials: &'t [Trial]) -> Option<&'t Trial> {
         let best = trials.iter().find(|trial| trial.accepted())?;
-        let rivals = trials.iter().filter(|trial| {
-            trial.accepted() && trial.fit.freedom() < best.fit.freedom() && !worse(&trial.fit, &best.fit)
-        });
-        rivals.min_by_key(|trial| trial.fit.freedom()).or(Some(best))
+        let cost = |trial: &Trial| (trial.fit.freedom(), trial.effect.id == "torque_gain");
+        let rivals = trials
+            .iter()
+            .filter(|trial| trial.accepted() && cost(trial) < cost(best) && !worse(&trial.fit, &best.fit));
+        rivals.min_by_key(|trial| cost(trial)).or(Some(best))
     }
 
     /// Runs the search from a model; without one from the nominal machine.
