@@ -11,6 +11,7 @@ pub mod locate;
 pub mod output;
 pub mod plot;
 pub mod progress;
+pub mod prove;
 pub mod read;
 pub mod refit;
 pub mod replay;

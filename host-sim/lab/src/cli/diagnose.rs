@@ -61,8 +61,7 @@ pub fn run(args: &Args) -> Result<(), Error> {
         files.iter().map(|file| Recording::read(file, Some(machine.axis.kind))).collect()
     };
     let (recordings, holdout) = (read(&args.recordings)?, read(&args.holdout)?);
-    let request =
-        Request { machine: &machine, recordings: &recordings, holdout: &holdout, vocabulary: &vocabulary };
+    let request = Request { machine: &machine, recordings: &recordings, holdout: &holdout, vocabulary: &vocabulary };
     let diagnosis = diagnose(&request)?;
     let to_stdout = args.json.as_deref() == Some(Path::new("-"));
     if let Some(file) = &args.json {

@@ -4,6 +4,7 @@ mod compare;
 mod demo;
 mod diagnose;
 mod machine;
+mod prove;
 mod replay;
 mod simulate;
 mod stability;
@@ -28,6 +29,8 @@ enum Command {
     Compare(compare::Args),
     /// Find what the model leaves out of the recordings, with its parameters, or say that they cannot tell.
     Diagnose(diagnose::Args),
+    /// Diagnose machines with concealed effects, blind, and count what was found.
+    Prove(prove::Args),
     /// Stability of the linear loop by four methods: margins, limits, area, picture.
     Stability(stability::StabilityArgs),
     /// Do the main job on embedded data: loop, recording with something left out of the model, comparison.
@@ -45,6 +48,7 @@ impl Cli {
             Command::Replay(args) => replay::run(args),
             Command::Compare(args) => compare::run(args),
             Command::Diagnose(args) => diagnose::run(args),
+            Command::Prove(args) => prove::run(args),
             Command::Stability(args) => stability::run(args),
             Command::Demo(args) => demo::run(args),
         }

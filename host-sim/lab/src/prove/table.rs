@@ -1,0 +1,119 @@
+//! The counts as text.
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+
+use super::{Arm, Outcome};
+
+/// Every count, every single effect by size, every miss.
+pub fn report(outcomes: &[Outcome]) -> String {
+    let mut text = counts(outcomes);
+    text += &singles(outcomes);
+    text += &misses(outcomes);
+    text
+}
+
+/// How many of them, and of how many.
+fn share<'a>(of: impl Iterator<Item = &'a Outcome> + Clone, holds: impl Fn(&Outcome) -> bool) -> String {
+    let (count, all) = (of.clone().filter(|outcome| holds(outcome)).count(), of.count());
+    if all == 0 { "-".to_owned() } else { format!("{count}/{all}") }
+}
+
+fn counts(outcomes: &[Outcome]) -> String {
+    let mut text = format!(
+        "{:<11} {:>8} {:>8} {:>8} {:>8} {:>8} {:>9}\n",
+        "arm", "right", "exact", "first", "listed", "wrong", "abstained"
+    );
+    for arm in Arm::ALL {
+        let of = outcomes.iter().filter(|outcome| outcome.arm == arm);
+        if of.clone().next().is_none() {
+            continue;
+        }
+        let columns: [fn(&Outcome) -> bool; 6] = [
+            Outcome::is_right,
+            |o| o.exact,
+            |o| o.first_right,
+            |o| o.listed,
+            |o| o.confidently_wrong,
+            |o| o.abstained_right,
+        ];
+        let [right, exact, first, listed, wrong, abstained] = columns.map(|holds| share(of.clone(), holds));
+        let _ = writeln!(text, "{arm:<11} {right:>8} {exact:>8} {first:>8} {listed:>8} {wrong:>8} {abstained:>9}");
+    }
+    let intervals: Vec<_> = outcomes.iter().flat_map(|outcome| &outcome.intervals).collect();
+    let holding = intervals.iter().filter(|interval| interval.holds).count();
+    let _ = writeln!(text, "95 % intervals that hold the truth: {holding}/{}", intervals.len());
+    let located = outcomes.iter().filter(|outcome| outcome.located.is_some());
+    let _ = writeln!(text, "pushes located: {}", share(located, |outcome| outcome.located == Some(true)));
+    for (what, ratios) in [
+        ("oracle's", outcomes.iter().filter_map(|outcome| outcome.heldout_over_oracle).collect::<Vec<f64>>()),
+        (
+            "floor",
+            outcomes.iter().map(|outcome| outcome.heldout_over_floor).filter(|ratio| ratio.is_finite()).collect(),
+        ),
+    ] {
+        if let Some([median, high]) = quantiles(ratios) {
+            let _ = writeln!(text, "held-out error over the {what}: median {median:.3}, 95 % below {high:.3}");
+        }
+    }
+    text
+}
+
+/// Median and 95th percentile.
+fn quantiles(mut values: Vec<f64>) -> Option<[f64; 2]> {
+    values.sort_by(f64::total_cmp);
+    let last = values.len().checked_sub(1)?;
+    Some([0.5, 0.95].map(|q| values[(q * last as f64).round() as usize]))
+}
+
+/// One line an effect: how often the first name was right at each size.
+fn singles(outcomes: &[Outcome]) -> String {
+    let mut by_effect: BTreeMap<&str, Vec<&Outcome>> = BTreeMap::new();
+    for outcome in outcomes.iter().filter(|outcome| outcome.arm == Arm::Single) {
+        if let Some(effect) = outcome.truth.effects.first() {
+            by_effect.entry(&effect.id).or_default().push(outcome);
+        }
+    }
+    let mut text = String::new();
+    if !by_effect.is_empty() {
+        text += "\nsingle effects: value concealed, first name, interval of its first parameter\n";
+    }
+    for (id, mut cases) in by_effect {
+        cases.sort_by(|a, b| b.size.total_cmp(&a.size).then(a.seed.cmp(&b.seed)));
+        for case in cases {
+            let value = case.truth.effects.first().and_then(|effect| effect.parameters.first());
+            let value = value.map_or_else(String::new, |(name, value)| format!("{name} {value:.5}"));
+            let holds = case.intervals.first().map_or("", |first| if first.holds { "holds" } else { "MISSES" });
+            let mark = if case.is_right() { "ok" } else { "--" };
+            let named = answer(case);
+            let _ = writeln!(text, "{mark} {id:<22} {:>5.2}  {value:<32} {named} {holds}", case.size);
+        }
+    }
+    text
+}
+
+fn answer(outcome: &Outcome) -> String {
+    let verdict = format!("{:?}", outcome.verdict).to_lowercase();
+    let equivalent =
+        if outcome.equivalent.is_empty() { String::new() } else { format!(" ~ {}", outcome.equivalent.join(", ")) };
+    format!("{verdict}: {}{equivalent}", outcome.named.join(" + "))
+}
+
+fn misses(outcomes: &[Outcome]) -> String {
+    let mut text = String::from("\nmisses (again with --case SEED)\n");
+    for outcome in outcomes.iter().filter(|outcome| !outcome.is_right()) {
+        let concealed = if outcome.truth.effects.is_empty() { "nothing".to_owned() } else { outcome.concealed() };
+        let _ = writeln!(text, "{:>7} {} {concealed} -> {}", outcome.seed, outcome.arm, answer(outcome));
+    }
+    let out = |outcome: &&Outcome| outcome.intervals.iter().any(|interval| !interval.holds);
+    for outcome in outcomes.iter().filter(out) {
+        for interval in outcome.intervals.iter().filter(|interval| !interval.holds) {
+            let _ = writeln!(
+                text,
+                "{:>7} interval {}: {:.6} [{:.6}, {:.6}] misses {:.6}",
+                outcome.seed, interval.parameter, interval.value, interval.low, interval.high, interval.truth
+            );
+        }
+    }
+    text
+}
