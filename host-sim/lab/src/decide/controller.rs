@@ -70,7 +70,9 @@ fn cause(config: &Config, recording: &Recording) -> String {
         }
     }
     match best {
-        Some((row, parameter, _)) => format!("A change of {} fits up to row {row}; no single change fits all.", parameter.name),
+        Some((row, parameter, _)) => {
+            format!("A change of {} fits up to row {row}; no single change fits all.", parameter.name)
+        }
         None => "No single gain or limit makes it identical: another build of the law, or lost frames.".to_owned(),
     }
 }

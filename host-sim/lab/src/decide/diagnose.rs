@@ -8,8 +8,8 @@ use crate::Error;
 use crate::effects::{Effect, Physics};
 use crate::locate::{Leftover, leftover, locations, regions, residual_map};
 use crate::read::vocabulary;
-use crate::refit::{HORIZON_S, Windows};
 use crate::read::{AxisKind, Machine, Recording};
+use crate::refit::{HORIZON_S, Windows};
 use crate::report::{Answer, EffectAnswer, Evidence, FitAnswer, Interval, Rejected, Verdict};
 use crate::screen::{Fit, MAX_P, MIN_GAIN, Motion, Outcome, Problem, Refitter, Search, Trial};
 
@@ -58,19 +58,15 @@ pub fn diagnose(request: &Request<'_>) -> Result<Diagnosis, Error> {
     }
     let fit = &outcome.fit;
     let improved = problem.machine(&fit.active);
-    let controller =
-        request.machine.controller.as_ref().and_then(|law| mismatch(law, &files, &mut warnings));
+    let controller = request.machine.controller.as_ref().and_then(|law| mismatch(law, &files, &mut warnings));
     let left = leftover(&problem, fit, axis);
     let (verdict, effects) = match controller {
         Some(answer) => (Verdict::Controller, vec![answer]),
         None => decide(request, &problem, &outcome, &left),
     };
     warn(&problem, fit, &left, verdict, &mut warnings);
-    let map = if verdict == Verdict::Unknown {
-        residual_map(&problem, fit, &outcome.weights, axis)
-    } else {
-        Vec::new()
-    };
+    let map =
+        if verdict == Verdict::Unknown { residual_map(&problem, fit, &outcome.weights, axis) } else { Vec::new() };
     let answer = Answer {
         schema: 1,
         verdict,
@@ -120,7 +116,8 @@ fn decide(
     effects.extend(glitches(request, problem));
     effects.sort_by(|a, b| b.evidence.heldout_gain.total_cmp(&a.evidence.heldout_gain));
     let explains = explained(outcome.nominal.sse, fit.sse, fit.residual_count());
-    let structured = left.gain >= MIN_GAIN && left.excess > 1.5;
+    // Far above the noise is something, even where no channel of state predicts it.
+    let structured = left.excess > 2.5 || left.gain >= MIN_GAIN && left.excess > 1.5;
     let verdict = if fit.active.is_empty() && structured || !fit.active.is_empty() && explains < EXPLAINS {
         Verdict::Unknown
     } else if effects.is_empty() {
@@ -136,7 +133,8 @@ fn decide(
 /// Isolated wrong samples, as an effect; a single one is an accident.
 fn glitches(request: &Request<'_>, problem: &Problem) -> Option<EffectAnswer> {
     let kind = request.vocabulary.iter().find(|effect| effect.id == "sensor_glitch")?;
-    let sizes: Vec<f64> = problem.motions.iter().flat_map(|m| m.glitches.iter().map(|glitch| glitch.size.abs())).collect();
+    let sizes: Vec<f64> =
+        problem.motions.iter().flat_map(|m| m.glitches.iter().map(|glitch| glitch.size.abs())).collect();
     let samples: usize = problem.motions.iter().map(|m| m.cells() + 1).sum();
     if sizes.len() < 5 {
         return None;
@@ -185,7 +183,8 @@ fn warn(problem: &Problem, fit: &Fit, left: &Leftover, verdict: Verdict, warning
         for (value, range) in entry.values.iter().zip(&entry.ranges) {
             let near = |bound: f64| bound.is_finite() && (value - bound).abs() <= 1e-6 * range.scale;
             if near(range.high) || near(range.low) && range.low != 0.0 {
-                warnings.push(format!("{}: a value stands at the bound of what was searched, {value}", entry.effect.id));
+                warnings
+                    .push(format!("{}: a value stands at the bound of what was searched, {value}", entry.effect.id));
             }
         }
     }
@@ -199,12 +198,8 @@ fn warn(problem: &Problem, fit: &Fit, left: &Leftover, verdict: Verdict, warning
 fn rejected(request: &Request<'_>, outcome: &Outcome, effects: &[EffectAnswer]) -> Vec<Rejected> {
     let axis = request.machine.axis.kind;
     let open = outcome.trials.iter().filter(|trial| !effects.iter().any(|effect| effect.id == trial.effect.id));
-    open.map(|trial| Rejected {
-        id: trial.effect.id.to_owned(),
-        heldout_gain: trial.gain,
-        why: why(trial, axis),
-    })
-    .collect()
+    open.map(|trial| Rejected { id: trial.effect.id.to_owned(), heldout_gain: trial.gain, why: why(trial, axis) })
+        .collect()
 }
 
 fn why(trial: &Trial, axis: AxisKind) -> String {
@@ -261,7 +256,12 @@ fn effect_answer(
     }
 }
 
-fn fit_answer(request: &Request<'_>, outcome: &Outcome, nominal: &Physics, improved: &Physics) -> Result<FitAnswer, Error> {
+fn fit_answer(
+    request: &Request<'_>,
+    outcome: &Outcome,
+    nominal: &Physics,
+    improved: &Physics,
+) -> Result<FitAnswer, Error> {
     let fitted = request.recordings;
     let (before, after) = (Windows::new(nominal, fitted, 0)?.rms(), Windows::new(improved, fitted, 0)?.rms());
     let first = fitted.len();

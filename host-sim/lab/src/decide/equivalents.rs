@@ -8,7 +8,12 @@ const LISTED: usize = 3;
 
 /// Effects that, put in the place of one effect of the best model, predict not significantly worse: those of the fewest
 /// parameters first, then by prediction. None has more parameters than the effect it replaces has.
-pub fn equivalents(refitter: &Refitter<'_>, best: &Fit, index: usize, vocabulary: &[&'static Effect]) -> Vec<&'static Effect> {
+pub fn equivalents(
+    refitter: &Refitter<'_>,
+    best: &Fit,
+    index: usize,
+    vocabulary: &[&'static Effect],
+) -> Vec<&'static Effect> {
     let replaced = &best.active[index];
     let freedom = replaced.effect.freedom(&replaced.values);
     let mut rest = best.active.clone();

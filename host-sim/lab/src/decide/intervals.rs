@@ -21,9 +21,7 @@ impl Covariance {
         let inverse = scaled_inverse(&normal);
         let mut scores = vec![DVector::<f64>::zeros(count); problem.blocks];
         for (index, equation) in problem.equations.iter().enumerate() {
-            for column in 0..count {
-                scores[equation.block][column] += fit.jacobian[(index, column)] * fit.residual[index];
-            }
+            scores[equation.block] += fit.jacobian.row(index).transpose() * fit.residual[index];
         }
         let used = scores.iter().filter(|score| score.norm_squared() > 0.0).count().max(2) as f64;
         let mut middle = DMatrix::<f64>::zeros(count, count);
@@ -51,9 +49,8 @@ fn scaled_inverse(normal: &DMatrix<f64>) -> DMatrix<f64> {
     let count = normal.nrows();
     let scale: Vec<f64> =
         (0..count).map(|i| if normal[(i, i)] > 0.0 { 1.0 / normal[(i, i)].sqrt() } else { 0.0 }).collect();
-    let scaled = DMatrix::from_fn(count, count, |r, c| {
-        normal[(r, c)] * scale[r] * scale[c] + if r == c { 1e-10 } else { 0.0 }
-    });
+    let scaled =
+        DMatrix::from_fn(count, count, |r, c| normal[(r, c)] * scale[r] * scale[c] + if r == c { 1e-10 } else { 0.0 });
     let inverse = scaled.try_inverse().unwrap_or_else(|| DMatrix::identity(count, count));
     DMatrix::from_fn(count, count, |r, c| inverse[(r, c)] * scale[r] * scale[c])
 }

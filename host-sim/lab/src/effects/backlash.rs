@@ -6,7 +6,12 @@ use super::{Effect, Load, Size, always, as_fitted, free, sized};
 pub static EFFECT: Effect = Effect {
     id: "backlash",
     sentence: "Part of the inertia hangs behind a gap: gear, key, spline or coupling with play.",
-    parameters: &[sized(Size::Travel, 0.0, 0.1, 1e-3), free(1.0, 500.0, 5.0), free(1e-3, 1.0, 0.02), free(1e-2, 5.0, 0.1)],
+    parameters: &[
+        sized(Size::Travel, 0.0, 0.1, 1e-3),
+        free(1.0, 500.0, 5.0),
+        free(1e-3, 1.0, 0.02),
+        free(1e-2, 5.0, 0.1),
+    ],
     applies: always,
     starts: |_, e| {
         let mut all = Vec::new();

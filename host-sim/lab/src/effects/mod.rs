@@ -41,7 +41,6 @@ mod viscous_friction;
 
 pub use physics::{Damper, Harmonic, Load, Physics, Pulse, Vibration, Viscosity};
 
-
 /// One number of an effect that the fit moves.
 #[derive(Debug, Clone, Copy)]
 pub struct Parameter {
@@ -299,7 +298,8 @@ mod tests {
     #[test]
     fn the_order_is_that_of_the_table_of_names_and_every_effect_reports_what_it_names() {
         assert_eq!(VOCABULARY.len(), EFFECTS.len());
-        let sizes = Excitation { orders: vec![7.0], pulses: vec![PULSE], frequencies_hz: vec![5.0], ..Excitation::default() };
+        let sizes =
+            Excitation { orders: vec![7.0], pulses: vec![PULSE], frequencies_hz: vec![5.0], ..Excitation::default() };
         let physics = Physics::nominal(&machine());
         for (effect, kind) in VOCABULARY.iter().zip(EFFECTS) {
             assert_eq!(effect.id, kind.id);

@@ -34,11 +34,19 @@ pub fn locations(problem: &Problem, fit: &Fit) -> Vec<Location> {
 /// What the machine does in a span.
 fn text(problem: &Problem, recording: usize, start_s: f64, end_s: f64) -> String {
     let motion = &problem.motions[recording];
-    let (from, to) =
-        (motion.t_s.partition_point(|t| *t < start_s), motion.t_s.partition_point(|t| *t <= end_s).min(motion.speed.len()));
+    let (from, to) = (
+        motion.t_s.partition_point(|t| *t < start_s),
+        motion.t_s.partition_point(|t| *t <= end_s).min(motion.speed.len()),
+    );
     let part = &motion.speed[from.min(to)..to];
     let peak = part.iter().fold(0.0_f64, |peak, w| peak.max(w.abs()));
     let mean = part.iter().sum::<f64>() / part.len().max(1) as f64;
-    let direction = if mean.abs() < 0.3 * peak { "to and fro" } else if mean > 0.0 { "forwards" } else { "backwards" };
+    let direction = if mean.abs() < 0.3 * peak {
+        "to and fro"
+    } else if mean > 0.0 {
+        "forwards"
+    } else {
+        "backwards"
+    };
     format!("moving {direction}, up to {peak:.2} per second")
 }

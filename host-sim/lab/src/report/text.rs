@@ -52,7 +52,13 @@ fn write_summary(text: &mut String, answer: &Answer) -> std::fmt::Result {
     )?;
     for location in answer.locations.iter().take(3) {
         let (from, to) = (location.start_s, location.end_s);
-        writeln!(text, "{:.0} % of the excess at {from:.2} to {to:.2} s of {}: {}", 100.0 * location.share, location.recording, location.text)?;
+        writeln!(
+            text,
+            "{:.0} % of the excess at {from:.2} to {to:.2} s of {}: {}",
+            100.0 * location.share,
+            location.recording,
+            location.text
+        )?;
     }
     if let Some(experiment) = &answer.experiment {
         writeln!(text, "Record next: {}", experiment.text)?;

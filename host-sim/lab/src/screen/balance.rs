@@ -61,10 +61,12 @@ fn viscosity_level(damper: &Damper, viscosity: Viscosity, motion: &Motion, field
     let braking = |row: usize| motion.braking.as_ref().is_some_and(|braking| braking[row]);
     let rows = 0..field.len();
     let gain = damper.gain;
-    let coefficient: Vec<f64> = rows
-        .clone()
-        .map(|row| if braking(row) { 0.0 } else { torque(gain * field[row]) / motion.speed_estimate[row].abs().max(0.002) })
-        .collect();
+    let coefficient: Vec<f64> =
+        rows.clone()
+            .map(|row| {
+                if braking(row) { 0.0 } else { torque(gain * field[row]) / motion.speed_estimate[row].abs().max(0.002) }
+            })
+            .collect();
     let brake: Vec<f64> = rows.map(|row| if braking(row) { torque(gain * field[row]) } else { 0.0 }).collect();
     let (delay_s, lag_s) = match viscosity {
         Viscosity::DeadTime(dead_time_s) => (dead_time_s, 0.0),
@@ -81,17 +83,22 @@ fn viscosity_level(damper: &Damper, viscosity: Viscosity, motion: &Motion, field
 /// Friction of the bearing in each cell, N m (N), signed with the motion.
 pub(crate) fn friction(physics: &Physics, motion: &Motion) -> Vec<f64> {
     let excess = |w: f64| {
-        if physics.stribeck_excess == 0.0 { 0.0 }
-        else { physics.stribeck_excess * (-(w / physics.stribeck_velocity).powi(2)).exp() }
+        if physics.stribeck_excess == 0.0 {
+            0.0
+        } else {
+            physics.stribeck_excess * (-(w / physics.stribeck_velocity).powi(2)).exp()
+        }
     };
     let cells = motion.cell_speed.iter().zip(&motion.cell_sign);
-    let level: Vec<f64> = cells.clone().map(|(w, s)| physics.coulomb + excess(*w) + 0.5 * physics.asymmetry * s).collect();
+    let level: Vec<f64> =
+        cells.clone().map(|(w, s)| physics.coulomb + excess(*w) + 0.5 * physics.asymmetry * s).collect();
     let dry = if physics.presliding.is_finite() {
         internal::dahl(motion, physics.presliding, &level)
     } else {
         level.iter().zip(&motion.cell_sign).map(|(level, sign)| level * sign).collect()
     };
-    let slope = |w: f64| physics.viscous * w + 0.5 * physics.asymmetry_viscous * w.abs() + physics.quadratic * w * w.abs();
+    let slope =
+        |w: f64| physics.viscous * w + 0.5 * physics.asymmetry_viscous * w.abs() + physics.quadratic * w * w.abs();
     dry.iter().zip(cells).map(|(dry, (w, _))| dry + slope(*w)).collect()
 }
 

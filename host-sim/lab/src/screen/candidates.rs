@@ -82,9 +82,8 @@ fn power(points: &[Point], phase: impl Fn(&Point) -> f64) -> f64 {
 /// Local maxima of a spectrum, highest first.
 fn peaks(grid: &[f64], spectrum: &[f64]) -> Vec<f64> {
     let at = |index: usize| spectrum.get(index).copied().unwrap_or(0.0);
-    let mut tops: Vec<usize> = (0..grid.len())
-        .filter(|&i| at(i) > 0.0 && at(i) >= at(i + 1) && (i == 0 || at(i) >= at(i - 1)))
-        .collect();
+    let mut tops: Vec<usize> =
+        (0..grid.len()).filter(|&i| at(i) > 0.0 && at(i) >= at(i + 1) && (i == 0 || at(i) >= at(i - 1))).collect();
     tops.sort_by(|&a, &b| spectrum[b].total_cmp(&spectrum[a]));
     tops.iter().take(KEPT).map(|&index| grid[index]).collect()
 }

@@ -266,5 +266,7 @@ pub(crate) fn solve(normal: &DMatrix<f64>, gradient: &DVector<f64>, damping: f64
         scaled[(index, index)] = if scale[index] > 0.0 { 1.0 + damping + 1e-10 } else { 1.0 };
     }
     let pull = gradient.component_mul(&scale);
-    scaled.cholesky().map_or_else(|| DVector::zeros(gradient.len()), |factor| -factor.solve(&pull).component_mul(&scale))
+    scaled
+        .cholesky()
+        .map_or_else(|| DVector::zeros(gradient.len()), |factor| -factor.solve(&pull).component_mul(&scale))
 }

@@ -66,8 +66,9 @@ impl Motion {
         let still = still_cells(&t_s, &position, resolution);
         let drive = held_means(&t_s, &recording.effort_cmd, nominal.torque_delay_s);
         let acceleration = |drag: &[f64]| -> Vec<f64> {
-            let limited = |u: f64| (nominal.torque_gain * u + nominal.torque_offset)
-                .clamp(-nominal.torque_limit, nominal.torque_limit);
+            let limited = |u: f64| {
+                (nominal.torque_gain * u + nominal.torque_offset).clamp(-nominal.torque_limit, nominal.torque_limit)
+            };
             let cells = drive.iter().zip(drag).zip(&still);
             cells.map(|((&u, &drag), &still)| if still { 0.0 } else { (limited(u) - drag) / nominal.inertia }).collect()
         };
@@ -119,8 +120,11 @@ impl Motion {
         let smoothed = smooth(&self.t_s, &self.position, &known, resolution);
         let mut motion = self.clone();
         motion.cell_sign.fill(1.0);
-        let level: Vec<f64> =
-            balance::damper(machine, &motion).iter().zip(balance::friction(machine, &motion)).map(|(a, b)| a + b).collect();
+        let level: Vec<f64> = balance::damper(machine, &motion)
+            .iter()
+            .zip(balance::friction(machine, &motion))
+            .map(|(a, b)| a + b)
+            .collect();
         let passes = passes(&drive, &level, &still);
         (motion.cell_sign, motion.at_rest) = directions(&self.t_s, &smoothed, &passes, &still, resolution);
         motion.take(smoothed);
@@ -245,9 +249,13 @@ fn directions(
 }
 
 fn mean_sign(before: f64, after: f64) -> f64 {
-    if before * after < 0.0 { (before.abs() - after.abs()) / (before.abs() + after.abs()) * before.signum() }
-    else if before == 0.0 && after == 0.0 { 0.0 }
-    else { (before + after).signum() }
+    if before * after < 0.0 {
+        (before.abs() - after.abs()) / (before.abs() + after.abs()) * before.signum()
+    } else if before == 0.0 && after == 0.0 {
+        0.0
+    } else {
+        (before + after).signum()
+    }
 }
 
 /// Marks the margin around every marked cell too.
@@ -290,7 +298,8 @@ fn repair(recording: &Recording, nominal: &Physics, resolution: f64, period_s: f
     let mut row = 2;
     while row < count - 2 {
         let here = excess(&position, row).abs();
-        let peak = (row - 1..=row + 1).all(|other| !(2..count - 2).contains(&other) || excess(&position, other).abs() <= here);
+        let peak =
+            (row - 1..=row + 1).all(|other| !(2..count - 2).contains(&other) || excess(&position, other).abs() <= here);
         if here > allowed && peak && t_s[row + 2] - t_s[row - 2] < 12.0 * period_s {
             let repaired = through_neighbours(t_s, &position, row);
             glitches.push(Glitch { row, size: position[row] - repaired });

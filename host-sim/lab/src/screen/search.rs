@@ -67,16 +67,24 @@ pub struct Outcome {
 fn conflicts(a: &Effect, b: &Effect) -> bool {
     const GROUPS: [&[&str]; 3] = [
         &["field_lag", "field_lag_asymmetry"],
-        &["viscosity_dead_time", "viscosity_lag", "field_dead_time", "field_lag", "field_lag_asymmetry", "field_slew_limit"],
+        &[
+            "viscosity_dead_time",
+            "viscosity_lag",
+            "field_dead_time",
+            "field_lag",
+            "field_lag_asymmetry",
+            "field_slew_limit",
+        ],
         &["compliance", "backlash"],
     ];
     if a.id == b.id {
         return !matches!(a.id, "cogging" | "disturbance_pulse");
     }
     let viscosity = |e: &Effect| e.id.starts_with("viscosity");
-    GROUPS.iter().enumerate().any(|(group, ids)| {
-        ids.contains(&a.id) && ids.contains(&b.id) && (group != 1 || viscosity(a) || viscosity(b))
-    })
+    GROUPS
+        .iter()
+        .enumerate()
+        .any(|(group, ids)| ids.contains(&a.id) && ids.contains(&b.id) && (group != 1 || viscosity(a) || viscosity(b)))
 }
 
 fn duplicate(active: &[Active], entry: &Active) -> bool {
@@ -101,7 +109,9 @@ impl<'a> Refitter<'a> {
     /// Under the weights and with the candidates that a search ended with.
     pub fn new(problem: &'a Problem, outcome: &Outcome) -> Self {
         let (weights, excitation) = (outcome.weights.clone(), outcome.excitation.clone());
-        Self { search: Search { problem, vocabulary: &[], linear: excitation.linear, weights, excitation, variants: 0 } }
+        Self {
+            search: Search { problem, vocabulary: &[], linear: excitation.linear, weights, excitation, variants: 0 },
+        }
     }
 
     /// The optimum of a set of effects from their values.
@@ -144,8 +154,7 @@ impl<'a> Search<'a> {
     /// A search from the nominal machine.
     pub fn new(problem: &'a Problem, vocabulary: &'a [&'static Effect], linear: bool) -> Self {
         let weights = vec![1.0; problem.equations.len()];
-        let mut search =
-            Self { problem, vocabulary, linear, weights, excitation: Excitation::default(), variants: 0 };
+        let mut search = Self { problem, vocabulary, linear, weights, excitation: Excitation::default(), variants: 0 };
         search.weigh(&[]);
         search
     }
@@ -193,7 +202,6 @@ impl<'a> Search<'a> {
         }
         let fits = starts.iter().map(|entry| fitter.fit_on(&with(entry), ITERATIONS, &known));
         let best = fits.min_by(|a, b| a.sse.total_cmp(&b.sse))?;
-        let best = if effect.id == "cogging" { self.more_orders(base, best, effect) } else { best };
         Some((best, variants))
     }
 
@@ -231,11 +239,17 @@ impl<'a> Search<'a> {
             .vocabulary
             .iter()
             .copied()
-            .filter(|effect| !base.active.iter().any(|entry| conflicts(entry.effect, effect)) && !full(&base.active, effect))
+            .filter(|effect| {
+                !base.active.iter().any(|entry| conflicts(entry.effect, effect)) && !full(&base.active, effect)
+            })
             .collect();
         let fitted: Vec<(&'static Effect, Fit, usize)> = open
             .par_iter()
-            .filter_map(|&effect| self.attempt(base, effect).map(|(fit, variants)| (effect, fit, variants)))
+            .filter_map(|&effect| {
+                let (fit, variants) = self.attempt(base, effect)?;
+                let fit = if effect.id == "cogging" { self.more_orders(base, fit, effect) } else { fit };
+                Some((effect, fit, variants))
+            })
             .collect();
         self.variants += fitted.iter().map(|(_, _, variants)| variants).sum::<usize>();
         let variants = self.variants.max(1);
@@ -251,7 +265,7 @@ impl<'a> Search<'a> {
             // One event cannot be predicted from the other blocks; its own recording is its evidence.
             (base.sse, fit.sse, f64::INFINITY)
         } else {
-            (base.heldout_sse(), fit.heldout_sse(), paired_t(base, &fit))
+            (base.heldout_sse(), fit.heldout_sse(), paired_t(base, &fit).max(relative_t(base, &fit)))
         };
         Trial { effect, fit, gain: 1.0 - (after / before.max(1e-300)).sqrt(), p_value, t }
     }
@@ -381,6 +395,10 @@ pub fn worse(fit: &Fit, best: &Fit) -> bool {
 fn paired_t(from: &Fit, to: &Fit) -> f64 {
     let pairs = from.heldout.iter().zip(&to.heldout).filter(|(a, b)| **a > 0.0 || **b > 0.0);
     let changes: Vec<f64> = pairs.map(|(a, b)| a - b).collect();
+    t_of_mean(&changes)
+}
+
+fn t_of_mean(changes: &[f64]) -> f64 {
     let count = changes.len() as f64;
     if count < 2.0 {
         return 0.0;
@@ -388,6 +406,14 @@ fn paired_t(from: &Fit, to: &Fit) -> f64 {
     let mean = changes.iter().sum::<f64>() / count;
     let variance = changes.iter().map(|c| (c - mean) * (c - mean)).sum::<f64>() / (count - 1.0);
     mean / (variance / count).sqrt().max(1e-300)
+}
+
+/// The same with each block's change relative to its size: an effect that shows in a few strong blocks is as certain as
+/// one that shows a little in all.
+fn relative_t(from: &Fit, to: &Fit) -> f64 {
+    let relative = |(a, b): (&f64, &f64)| (a + b > 0.0).then(|| (a - b) / (a + b));
+    let changes: Vec<f64> = from.heldout.iter().zip(&to.heldout).filter_map(relative).collect();
+    t_of_mean(&changes)
 }
 
 /// F-test of an improvement, its freedom reduced by the correlation of neighbouring residuals (Newey-West, Bartlett).

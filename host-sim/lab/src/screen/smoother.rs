@@ -35,7 +35,17 @@ fn spread(span_s: f64, intensity: f64) -> Matrix3<f64> {
     let h = span_s;
     let (h2, h3) = (h * h, h * h * h);
     intensity
-        * Matrix3::new(h3 * h2 / 20.0, h2 * h2 / 8.0, h3 / 6.0, h2 * h2 / 8.0, h3 / 3.0, h2 / 2.0, h3 / 6.0, h2 / 2.0, h)
+        * Matrix3::new(
+            h3 * h2 / 20.0,
+            h2 * h2 / 8.0,
+            h3 / 6.0,
+            h2 * h2 / 8.0,
+            h3 / 3.0,
+            h2 / 2.0,
+            h3 / 6.0,
+            h2 / 2.0,
+            h,
+        )
 }
 
 fn drift(span_s: f64, acceleration: f64) -> Vector3<f64> {
@@ -148,8 +158,8 @@ mod tests {
         let position: Vec<f64> = t_s.iter().map(|t| ((omega * t).sin() / step).round() * step).collect();
         let out = smooth(&t_s, &position, &vec![0.0; t_s.len() - 1], step);
         let mut worst: f64 = 0.0;
-        for index in 200..3800 {
-            worst = worst.max((out.speed[index] - omega * (omega * t_s[index]).cos()).abs());
+        for (t, speed) in t_s.iter().zip(&out.speed).skip(200).take(3600) {
+            worst = worst.max((speed - omega * (omega * t).cos()).abs());
         }
         assert!(worst < 0.08, "{worst} rad/s");
         assert!((0.1..3.0).contains(&(out.noise / step)), "{}", out.noise);

@@ -34,7 +34,12 @@ pub fn machine(resolution: f64) -> Machine {
 pub const COUNT_RAD: f64 = std::f64::consts::TAU / 491_520.0;
 
 /// Three recordings of a machine: two to fit, one held out.
-pub fn recordings(change: &dyn Fn(&mut Model), seed: u64, torque_noise_nm: f64, disturbances: &[Disturbance]) -> Vec<Recording> {
+pub fn recordings(
+    change: &dyn Fn(&mut Model),
+    seed: u64,
+    torque_noise_nm: f64,
+    disturbances: &[Disturbance],
+) -> Vec<Recording> {
     let mut model = nominal(&machine(COUNT_RAD));
     change(&mut model);
     let shapes = [

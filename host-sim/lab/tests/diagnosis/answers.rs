@@ -1,0 +1,23 @@
+//! What the tool must say of recordings whose truth is known.
+
+use lab::report::Verdict;
+
+use crate::cases::{answer, recordings};
+
+#[test]
+fn nothing_is_named_where_nothing_is_missing() {
+    let answer = answer(&recordings(&|_| (), 11, 0.05, &[]), "");
+    assert_eq!(answer.verdict, Verdict::None, "{answer:?}");
+}
+
+#[test]
+fn dry_friction_is_named_alone_and_its_interval_holds_the_truth() {
+    let answer = answer(&recordings(&|model| model.coulomb = 0.95, 12, 0.05, &[]), "");
+    assert_eq!(answer.verdict, Verdict::Named, "{answer:?}");
+    assert_eq!(answer.effects.len(), 1, "{answer:?}");
+    let effect = &answer.effects[0];
+    assert_eq!(effect.id, "coulomb_friction");
+    let level = &effect.parameters[0];
+    assert!(level.low < 0.95 && 0.95 < level.high && level.high - level.low < 0.01, "{level:?}");
+    assert!(answer.fit.heldout_after_rms < answer.fit.heldout_before_rms);
+}
