@@ -76,7 +76,7 @@ impl Outcome {
         let found: BTreeSet<&str> = named.iter().map(String::as_str).collect();
         let hinted = |id: &&str| found.contains(id) || equivalent.iter().any(|other| other == id);
         let nameable = arm.nameable();
-        let listed = nameable && concealed.iter().all(|id| hinted(id));
+        let listed = nameable && concealed.iter().all(hinted);
         // An effect that is named without being there, and that is not offered as one way to say what is there.
         let stray = |effect: &EffectAnswer| {
             !concealed.contains(effect.id.as_str())
@@ -151,4 +151,74 @@ fn located(truth: &Truth, answer: &Answer) -> Option<bool> {
     let start_s = value("start_s")?;
     let end_s = start_s + value("duration_s")?;
     Some(answer.locations.iter().any(|place| place.start_s < end_s && place.end_s > start_s))
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    /// An answer that names one effect with an interval for its phase.
+    fn answer(verdict: &str, id: &str, equivalent: &str) -> Answer {
+        let text = format!(
+            r#"{{"schema": 1, "verdict": "{verdict}", "effects": [{{"id": "{id}", "text": "", "equivalent": [{equivalent}],
+            "parameters": [{{"id": "phase_rad", "value": 3.1, "low": 3.0, "high": 3.2, "unit": "rad"}}],
+            "evidence": {{"heldout_gain": 0.3, "p_value": 0.0, "excess_explained": 1.0}}}}],
+            "fit": {{"before_rms": 1, "after_rms": 1, "heldout_before_rms": 1, "heldout_after_rms": 1,
+            "noise_floor_rms": 1, "excess_explained": 1, "unit": "rad", "horizon_s": 0.05}},
+            "locations": [{{"recording": "a.csv", "start_s": 1.0, "end_s": 1.2, "share": 1.0, "text": ""}}],
+            "regions": [], "rejected": [], "experiment": null, "warnings": []}}"#
+        );
+        serde_json::from_str(&text).unwrap()
+    }
+
+    fn judged(arm: Arm, id: &str, parameters: &[(&str, f64)], answer: &Answer) -> Outcome {
+        let parameters = parameters.iter().map(|(id, value)| ((*id).to_owned(), *value)).collect();
+        let effects = vec![Concealed { id: id.to_owned(), in_vocabulary: true, size: 1.0, parameters }];
+        let effects = if id.is_empty() { Vec::new() } else { effects };
+        let truth = Truth { seed: 1, effects, torque_noise_nm: 0.0, sensor_noise_rad: 0.0, salt: String::new() };
+        Outcome::of(arm, 1.0, truth, String::new(), answer, 0.0)
+    }
+
+    #[test]
+    fn a_right_name_counts_and_a_phase_a_turn_away_is_the_same() {
+        let right =
+            judged(Arm::Single, "gravity_load", &[("phase_rad", 3.05 - TAU)], &answer("named", "gravity_load", ""));
+        assert!(right.is_right() && right.exact && right.first_right && !right.confidently_wrong);
+        assert!(right.intervals.iter().all(|interval| interval.holds) && right.intervals.len() == 1);
+        let outside = judged(Arm::Single, "gravity_load", &[("phase_rad", 2.0)], &answer("named", "gravity_load", ""));
+        assert!(!outside.intervals[0].holds);
+    }
+
+    #[test]
+    fn a_wrong_name_is_confident_unless_the_truth_is_offered_beside_it() {
+        let wrong = judged(Arm::Single, "inertia", &[], &answer("named", "torque_gain", ""));
+        assert!(wrong.confidently_wrong && !wrong.listed && !wrong.is_right());
+        let hedged = judged(Arm::Single, "inertia", &[], &answer("named", "torque_gain", "\"inertia\""));
+        assert!(!hedged.confidently_wrong && hedged.listed && !hedged.first_right);
+        let ambiguous = judged(Arm::Single, "inertia", &[], &answer("ambiguous", "torque_gain", ""));
+        assert!(!ambiguous.confidently_wrong && !ambiguous.is_right());
+    }
+
+    #[test]
+    fn outside_the_library_any_plain_name_is_wrong_and_unknown_is_right() {
+        let named = judged(Arm::Outside, "torque_memory", &[], &answer("named", "torque_gain", ""));
+        assert!(named.confidently_wrong && !named.abstained_right);
+        assert!(judged(Arm::Outside, "torque_memory", &[], &answer("unknown", "torque_gain", "")).is_right());
+        assert!(judged(Arm::Clean, "", &[], &answer("named", "torque_gain", "")).confidently_wrong);
+        assert!(judged(Arm::Clean, "", &[], &answer("none", "torque_gain", "")).is_right());
+    }
+
+    #[test]
+    fn a_push_is_located_where_a_span_overlaps_it() {
+        let push = |start_s| {
+            judged(
+                Arm::Single,
+                "disturbance_pulse",
+                &[("start_s", start_s), ("duration_s", 0.1)],
+                &answer("named", "disturbance_pulse", ""),
+            )
+        };
+        assert_eq!((push(1.15).located, push(2.0).located), (Some(true), Some(false)));
+    }
 }

@@ -29,15 +29,15 @@ fn counts(outcomes: &[Outcome]) -> String {
         if of.clone().next().is_none() {
             continue;
         }
-        let columns: [fn(&Outcome) -> bool; 6] = [
-            Outcome::is_right,
-            |o| o.exact,
-            |o| o.first_right,
-            |o| o.listed,
-            |o| o.confidently_wrong,
-            |o| o.abstained_right,
-        ];
-        let [right, exact, first, listed, wrong, abstained] = columns.map(|holds| share(of.clone(), holds));
+        let when = |asked: bool, holds: fn(&Outcome) -> bool| {
+            if asked { share(of.clone(), holds) } else { "-".to_owned() }
+        };
+        let right = when(true, Outcome::is_right);
+        let exact = when(arm.nameable(), |o| o.exact);
+        let first = when(arm.nameable(), |o| o.first_right);
+        let listed = when(arm.nameable(), |o| o.listed);
+        let wrong = when(true, |o| o.confidently_wrong);
+        let abstained = when(!arm.nameable(), |o| o.abstained_right);
         let _ = writeln!(text, "{arm:<11} {right:>8} {exact:>8} {first:>8} {listed:>8} {wrong:>8} {abstained:>9}");
     }
     let intervals: Vec<_> = outcomes.iter().flat_map(|outcome| &outcome.intervals).collect();
