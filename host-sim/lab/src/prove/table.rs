@@ -9,6 +9,7 @@ use super::{Arm, Outcome};
 pub fn report(outcomes: &[Outcome]) -> String {
     let mut text = counts(outcomes);
     text += &singles(outcomes);
+    text += &power(outcomes);
     text += &misses(outcomes);
     text
 }
@@ -66,14 +67,43 @@ fn quantiles(mut values: Vec<f64>) -> Option<[f64; 2]> {
     Some([0.5, 0.95].map(|q| values[(q * last as f64).round() as usize]))
 }
 
-/// One line an effect: how often the first name was right at each size.
-fn singles(outcomes: &[Outcome]) -> String {
+fn by_effect(outcomes: &[Outcome]) -> BTreeMap<&str, Vec<&Outcome>> {
     let mut by_effect: BTreeMap<&str, Vec<&Outcome>> = BTreeMap::new();
     for outcome in outcomes.iter().filter(|outcome| outcome.arm == Arm::Single) {
         if let Some(effect) = outcome.truth.effects.first() {
             by_effect.entry(&effect.id).or_default().push(outcome);
         }
     }
+    by_effect
+}
+
+/// One line an effect: the smallest size from which on the first name was right in half and in nine of ten cases, with
+/// the values of one case of that size in the units of the machine.
+fn power(outcomes: &[Outcome]) -> String {
+    let mut text = String::new();
+    for (id, mut cases) in by_effect(outcomes) {
+        cases.sort_by(|a, b| b.size.total_cmp(&a.size));
+        let sizes: Vec<&[&Outcome]> = cases.chunk_by(|a, b| a.size == b.size).collect();
+        let found = [0.5, 0.9].map(|wanted| {
+            let enough = |of: &&&[&Outcome]| {
+                of.iter().filter(|outcome| outcome.first_right).count() as f64 >= wanted * of.len() as f64
+            };
+            let smallest = sizes.iter().take_while(enough).last().and_then(|of| of.first());
+            smallest
+                .map_or_else(|| "none of the sizes".to_owned(), |case| format!("{:.2} {}", case.size, case.concealed()))
+        });
+        let _ = writeln!(text, "{id:<22} 50 %: {}; 90 %: {}", found[0], found[1]);
+    }
+    if text.is_empty() {
+        text
+    } else {
+        format!("\nsmallest size whose first name is right (share of the clear size)\n{text}")
+    }
+}
+
+/// One line a case, by effect and size.
+fn singles(outcomes: &[Outcome]) -> String {
+    let by_effect = by_effect(outcomes);
     let mut text = String::new();
     if !by_effect.is_empty() {
         text += "\nsingle effects: value concealed, first name, interval of its first parameter\n";
