@@ -1,6 +1,7 @@
 //! `servo-lab prove`.
 
 use std::path::PathBuf;
+use std::time::Duration;
 
 use crate::prove::run::{self, Settings};
 use crate::prove::{Arm, Blueprint, Outcome, plan, table};
@@ -48,6 +49,9 @@ pub struct Args {
     /// Diagnoses again with the true effects only, for the held-out error to be compared with.
     #[arg(long)]
     oracle: bool,
+    /// Ends a diagnosis after this long; its case is listed as not run.
+    #[arg(long, value_name = "S", default_value_t = 300)]
+    limit_s: u64,
     /// Writes every outcome as JSON.
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
@@ -83,6 +87,7 @@ impl Args {
             workers: self.workers.max(1),
             keep: self.keep || self.case.is_some(),
             oracle: self.oracle,
+            limit: Duration::from_secs(self.limit_s),
         };
         let hash = run::seal(&seeds, &settings)?;
         output::print(&format!("{} cases, sealed: SHA-256 {hash} of sealed/SHA256SUMS\n", seeds.len()))?;

@@ -1,8 +1,9 @@
 //! Cases run: seals first, then files, then the diagnosis in a process of its own.
 
+use std::fs::File;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
-use std::time::Instant;
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::time::{Duration, Instant};
 
 use rayon::prelude::*;
 
@@ -11,6 +12,9 @@ use super::case::{Case, Files};
 use crate::progress::Progress;
 use crate::report::Answer;
 use crate::{Error, output};
+
+/// How often a running diagnosis is looked at.
+const POLL: Duration = Duration::from_millis(50);
 
 /// How to run.
 #[derive(Debug, Clone)]
@@ -25,6 +29,8 @@ pub struct Settings {
     pub keep: bool,
     /// Fit the true structure too.
     pub oracle: bool,
+    /// A diagnosis that takes longer is ended, and its case counts as not run.
+    pub limit: Duration,
 }
 
 /// Writes the seals of the cases; gives the hash over all of them, which commits to every truth.
@@ -120,13 +126,33 @@ fn diagnose(files: &Files, json: &Path, names: &[&str; 2], settings: &Settings) 
     if !names[1].is_empty() {
         command.args(names);
     }
-    let finished = command.args(&files.recordings).stdin(Stdio::null()).output();
-    let finished = finished.map_err(|error| Error::Usage(format!("diagnose cannot be started: {error}")))?;
-    if !finished.status.success() {
-        let said = String::from_utf8_lossy(&finished.stderr).trim().to_owned();
-        return Err(Error::Usage(format!("diagnose ended with {}: {said}", finished.status)));
+    let started = |error: std::io::Error| Error::Usage(format!("diagnose cannot be started: {error}"));
+    let errors = json.with_extension("stderr");
+    command.args(&files.recordings).stdin(Stdio::null()).stdout(Stdio::null());
+    let child = command.stderr(File::create(&errors).map_err(started)?).spawn().map_err(started)?;
+    let status = finish(child, settings.limit)?;
+    if !status.success() {
+        let said = std::fs::read_to_string(&errors).unwrap_or_default();
+        return Err(Error::Usage(format!("diagnose ended with {status}: {}", said.trim())));
     }
     let unreadable = |message: String| Error::input(json, None, "", message);
     let text = std::fs::read_to_string(json).map_err(|error| unreadable(error.to_string()))?;
     serde_json::from_str(&text).map_err(|error| unreadable(error.to_string()))
+}
+
+/// Waits for the process, and ends it at the limit.
+fn finish(mut child: Child, limit: Duration) -> Result<ExitStatus, Error> {
+    let begun = Instant::now();
+    let failed = |error: std::io::Error| Error::Usage(format!("diagnose cannot be waited for: {error}"));
+    loop {
+        if let Some(status) = child.try_wait().map_err(failed)? {
+            return Ok(status);
+        }
+        if begun.elapsed() >= limit {
+            child.kill().map_err(failed)?;
+            child.wait().map_err(failed)?;
+            return Err(Error::Usage(format!("diagnose was ended after {} s", limit.as_secs())));
+        }
+        std::thread::sleep(POLL);
+    }
 }
