@@ -13,6 +13,7 @@ pub mod output;
 pub mod paper;
 pub mod plot;
 pub mod progress;
+pub mod prove;
 pub mod read;
 pub mod refit;
 pub mod replay;

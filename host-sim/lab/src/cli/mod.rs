@@ -5,6 +5,7 @@ mod decode;
 mod demo;
 mod diagnose;
 mod machine;
+mod prove;
 mod paper;
 mod replay;
 mod simulate;
@@ -33,6 +34,8 @@ enum Command {
     Decode(decode::Args),
     /// Find what the model leaves out of the recordings, with its parameters, or say that they cannot tell.
     Diagnose(diagnose::Args),
+    /// Diagnose machines with concealed effects, blind, and count what was found.
+    Prove(prove::Args),
     /// Stability of the linear loop by four methods: margins, limits, area, picture.
     Stability(stability::StabilityArgs),
     /// Reproduce the paper: its figures, and a table of what became of each claim.
@@ -55,6 +58,7 @@ impl Cli {
             Command::Compare(args) => compare::run(args),
             Command::Decode(args) => decode::run(args),
             Command::Diagnose(args) => diagnose::run(args),
+            Command::Prove(args) => prove::run(args),
             Command::Stability(args) => stability::run(args),
             Command::Paper(args) => paper::run(args),
             Command::Tune(args) => tune::run(args),

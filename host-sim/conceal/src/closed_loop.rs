@@ -1,0 +1,149 @@
+//! The flashed law on the concealed machine.
+
+use er_servo::{
+    Config, Counts, InputFlags, Inputs, Mode, MonitorCode, Params, ResolverCode, ResolverSample, State, Supervisor,
+    step,
+};
+use rand::rngs::StdRng;
+use rand::{Rng, SeedableRng};
+use rand_distr::{Distribution, Normal};
+
+use crate::Error;
+use crate::delay::DeadTime;
+use crate::physics::{Physics, Sensor};
+use crate::rotor::{Command, Rotor, STEP_S};
+
+/// One control period as the drive logs it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Row {
+    /// s.
+    pub t_s: f64,
+    /// Reference.
+    pub reference: Counts,
+    /// Position as measured.
+    pub position: Counts,
+    /// Commanded torque, N m.
+    pub torque_nm: f32,
+    /// Commanded field, kV/mm.
+    pub field_kv_mm: f32,
+    /// Use of the damper.
+    pub mode: Mode,
+    /// The law's speed, rad/s.
+    pub speed_rad_s: f32,
+}
+
+/// How the loop runs.
+#[derive(Debug, Clone)]
+pub struct Run<'a> {
+    /// Machine.
+    pub physics: &'a Physics,
+    /// The law's configuration.
+    pub config: &'a Config,
+    /// Largest deviation of a control period, s; the stamps tell it.
+    pub jitter_s: f64,
+    /// Of every noise.
+    pub seed: u64,
+}
+
+impl Run<'_> {
+    /// Follows a reference from rest at zero.
+    ///
+    /// # Errors
+    /// A configuration the law refuses, a drive that trips.
+    pub fn follow(&self, reference: &[Counts]) -> Result<Vec<Row>, Error> {
+        let params = Params::new(self.config).map_err(Error::Config)?;
+        let mut state = State::running_at(Counts(0));
+        let mut random = StdRng::seed_from_u64(self.seed);
+        let mut rotor = Rotor::new(self.physics, STEP_S);
+        let mut sensor = Measured::new(&self.physics.sensor);
+        let mut field_kv_mm = 0.0;
+        let mut rows = Vec::with_capacity(reference.len());
+        for &reference in reference {
+            let position = sensor.sample(rotor.position_rad(), &mut random);
+            let inputs = Inputs {
+                resolver: ResolverSample {
+                    code: ResolverCode((position.0 & 0x0fff) as u16),
+                    fault_byte: 0,
+                    speed_rad_s: rotor.speed_rad_s() as f32,
+                },
+                flags: InputFlags::INTERLOCK_CLOSED | InputFlags::LINK_ALIVE,
+                reference,
+                field_monitor: MonitorCode::from_kv_mm(field_kv_mm),
+                ..Inputs::default()
+            };
+            let outputs = step(&params, &mut state, &inputs);
+            if outputs.supervisor != Supervisor::Running {
+                let faults = format!("{:?}", outputs.supervisor);
+                return Err(Error::Tripped { t_s: rotor.now_s(), faults });
+            }
+            field_kv_mm = outputs.field_kv_mm;
+            rows.push(Row {
+                t_s: rotor.now_s(),
+                reference,
+                position: outputs.position,
+                torque_nm: outputs.torque_nm,
+                field_kv_mm,
+                mode: outputs.mode,
+                speed_rad_s: outputs.speed_rad_s,
+            });
+            let command = Command {
+                torque_nm: f64::from(outputs.torque_nm),
+                field_kv_mm: f64::from(field_kv_mm),
+                braking: outputs.mode == Mode::Brake,
+                speed_rad_s: f64::from(outputs.speed_rad_s),
+                viscosity_nm_s_rad: None,
+                external_nm: self.physics.torque_noise_nm * unit_normal(&mut random),
+            };
+            for _ in 0..self.steps(&mut random) {
+                sensor.watch(rotor.position_rad());
+                rotor.step(&command);
+            }
+        }
+        Ok(rows)
+    }
+
+    /// Steps of the next control period.
+    fn steps(&self, random: &mut StdRng) -> u64 {
+        let period_s = f64::from(self.config.period_s);
+        let jitter_s = if self.jitter_s > 0.0 { random.random_range(-self.jitter_s..self.jitter_s) } else { 0.0 };
+        ((period_s + jitter_s) / STEP_S).round().max(1.0) as u64
+    }
+}
+
+fn unit_normal(random: &mut StdRng) -> f64 {
+    Normal::new(0.0, 1.0).map_or(0.0, |normal: Normal<f64>| normal.sample(random))
+}
+
+/// The sensor with what it remembers.
+struct Measured<'a> {
+    law: &'a Sensor,
+    late: DeadTime,
+    last_was_wrong: bool,
+}
+
+impl<'a> Measured<'a> {
+    fn new(law: &'a Sensor) -> Self {
+        Self { law, late: DeadTime::new(law.latency_s, STEP_S, 0.0), last_was_wrong: false }
+    }
+
+    /// Sees the angle at the start of a step.
+    fn watch(&mut self, position_rad: f64) {
+        if self.law.latency_s > 0.0 {
+            self.late.pass(position_rad);
+        }
+    }
+
+    fn sample(&mut self, position_rad: f64, random: &mut StdRng) -> Counts {
+        // The ring last saw the start of the step that ends now: one step late, which a copy makes up for.
+        let seen_rad = if self.law.latency_s > 0.0 { self.late.clone().pass(position_rad) } else { position_rad };
+        let mut angle = seen_rad + self.law.eccentricity.map_or(0.0, |wave| wave.at(seen_rad));
+        if let Some((fraction, size_rad)) = self.law.glitch {
+            let wrong = !self.last_was_wrong && random.random_bool(fraction);
+            if wrong {
+                angle += if random.random_bool(0.5) { size_rad } else { -size_rad };
+            }
+            self.last_was_wrong = wrong;
+        }
+        Counts::from_rad(angle + self.law.noise_rad * unit_normal(random))
+    }
+}

@@ -1,0 +1,52 @@
+//! Machines with something concealed, and recordings of them.
+//!
+//! The tool that diagnoses must not be judged by data of its own making: a shared integrator would share its phantom
+//! physics. This crate therefore has numerics of its own, of another kind: Moreau's time stepping, in which velocities
+//! jump by impulses and dry friction is a set from which each step takes the impulse it needs, at a fixed step of
+//! [`STEP_S`]; delays are ring buffers of steps, lags exact recursions. Only the control law [`er_servo::step`] is shared,
+//! so that the loop is the real one.
+//!
+//! Data takes this way: [`catalogue`] draws effects and their sizes, [`physics`] holds the machine as numbers, [`rotor`]
+//! integrates it, [`closed_loop`] runs the law on it along a [`reference`], [`recording`] writes what the drive would have
+//! logged, and [`seal`] closes the truth away. The same seed gives the same files.
+#![forbid(unsafe_code)]
+
+pub mod catalogue;
+pub mod closed_loop;
+mod delay;
+mod drive;
+mod fluid;
+mod friction;
+pub mod physics;
+pub mod recording;
+pub mod reference;
+pub mod rotor;
+pub mod seal;
+mod shaft;
+
+pub use rotor::STEP_S;
+
+/// Why a recording could not be made or written.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// The configuration is not one the law takes.
+    #[error("the control law refuses its configuration: {0}")]
+    Config(er_servo::ConfigError),
+    /// The drive left the running state: the drawn machine cannot be controlled along this reference.
+    #[error("the drive tripped at {t_s} s: {faults}")]
+    Tripped {
+        /// When, s.
+        t_s: f64,
+        /// What the law said.
+        faults: String,
+    },
+    /// A reference the law's own sequencer refuses.
+    #[error("the reference cannot be played: {0}")]
+    Reference(er_servo::experiment::ExperimentError),
+    /// Text that could not be made.
+    #[error("the recording cannot be written: {0}")]
+    Csv(#[from] csv::Error),
+    /// The seal as JSON.
+    #[error("the seal cannot be written: {0}")]
+    Json(#[from] serde_json::Error),
+}

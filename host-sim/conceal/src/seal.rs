@@ -1,0 +1,51 @@
+//! The truth, closed away under its hash until the answers are in.
+
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+
+use crate::Error;
+
+/// A concealed effect with its values in the machine.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Concealed {
+    /// Identifier; of the vocabulary, or of this crate for an effect outside it.
+    pub id: String,
+    /// Whether the vocabulary knows it.
+    pub in_vocabulary: bool,
+    /// Fraction of the clear size, 1.
+    pub size: f64,
+    /// Values by parameter.
+    pub parameters: Vec<(String, f64)>,
+}
+
+/// What is true of one case.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Truth {
+    /// Of the case.
+    pub seed: u64,
+    /// What was concealed; nothing for a clean machine.
+    pub effects: Vec<Concealed>,
+    /// Standard deviations of the torque noise, N m, and of the sensor noise, rad.
+    pub torque_noise_nm: f64,
+    /// See above.
+    pub sensor_noise_rad: f64,
+    /// Drawn, so that the hash cannot be found by trying truths.
+    pub salt: String,
+}
+
+impl Truth {
+    /// The seal's text and its SHA-256, hexadecimal.
+    ///
+    /// # Errors
+    /// A number JSON cannot write.
+    pub fn seal(&self) -> Result<(String, String), Error> {
+        let text = serde_json::to_string_pretty(self)?;
+        let hash = hash(text.as_bytes());
+        Ok((text, hash))
+    }
+}
+
+/// SHA-256, hexadecimal.
+pub fn hash(bytes: &[u8]) -> String {
+    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
+}

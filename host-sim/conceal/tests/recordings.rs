@@ -1,0 +1,47 @@
+//! Every effect in closed loop: the drive does not trip, the machine differs from the clean one, the same seed repeats.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use conceal::catalogue::{ENTRIES, for_recording};
+use conceal::closed_loop::{Row, Run};
+use conceal::physics::Physics;
+use conceal::reference::{Family, positions};
+use er_servo::Config;
+use rand::SeedableRng;
+use rand::rngs::StdRng;
+
+fn rows(physics: &Physics, duration_s: f32) -> Vec<Row> {
+    let shape = Family::Steps.draw(&mut StdRng::seed_from_u64(3));
+    let reference = positions(shape, duration_s, 0.0005).unwrap();
+    let config = Config::default();
+    Run { physics, config: &config, jitter_s: 0.0, seed: 5 }.follow(&reference).unwrap()
+}
+
+#[test]
+fn every_effect_moves_the_machine_without_tripping_the_drive() {
+    let clean = rows(&Physics::nominal(), 1.5);
+    assert_eq!(clean, rows(&Physics::nominal(), 1.5));
+    for (index, entry) in ENTRIES.iter().enumerate() {
+        let mut random = StdRng::seed_from_u64(index as u64);
+        let mut physics = Physics::nominal();
+        let concealed = entry.conceal(1.0, &mut physics, &mut random);
+        // A push or a change of load later than this short run is moved into it.
+        if let Some(pulse) = &mut physics.pulse {
+            pulse.start_s = 0.2;
+        }
+        if let Some((from_s, _)) = &mut physics.load_change {
+            *from_s = 0.2;
+        }
+        let physics = for_recording(&physics, 0, &mut random);
+        let changed = rows(&physics, 1.5);
+        let largest = clean.iter().zip(&changed).map(|(a, b)| (a.position.0 - b.position.0).abs()).max().unwrap();
+        println!("{:24} {:?} {largest} counts", entry.id, concealed.parameters);
+        assert!(largest >= 5, "{}", entry.id);
+    }
+}
+
+#[test]
+fn time_of_an_eight_second_recording_is_printed() {
+    let started = std::time::Instant::now();
+    let made = rows(&Physics::nominal(), 8.0);
+    println!("{} rows in {:.2} s", made.len(), started.elapsed().as_secs_f64());
+}
