@@ -11,9 +11,11 @@
   // What is on the page: each knows how to draw itself again where colours or widths change.
   const drawn = [];
 
-  const axis = (label, more) => Object.assign({ label, font: FONT, labelFont: FONT, labelSize: 20, stroke: colour("quiet"),
-    grid: { stroke: colour("line"), width: 1 }, ticks: { stroke: colour("line"), width: 1 } }, more);
+  const axis = (label, more) => Object.assign({ label, font: FONT, labelFont: FONT, labelSize: 20, size: 32, stroke: colour("quiet"),
+    grid: { stroke: colour("line"), width: 1 }, ticks: { stroke: colour("line"), width: 1, size: 5 } }, more);
   const valueAxis = (label, more) => axis(label, Object.assign({ size: 64 }, more));
+  // Curves above each other share the time axis of the lowest, and leave room for the second value axis it may have.
+  const bare = () => axis(undefined, { labelSize: 0, size: 30 });
   const line = (label, name, more) => Object.assign({ label, stroke: colour(name), width: 1.25, points: { show: false },
     value: (_, value) => digits(value) }, more);
   const time = { label: "time (s)", value: (_, value) => value == null ? "–" : value.toFixed(4) };
@@ -55,27 +57,28 @@
   function curves(index, place) {
     const r = plot.recordings[index];
     const t = decoded(r.t_s), recorded = decoded(r.recorded), before = decoded(r.before), after = decoded(r.after);
-    const common = () => ({ scales: { x: { time: false } }, hooks: { drawClear: [shaded(r.spans)] },
-      cursor: { sync: { key: "recording" + index }, drag: { x: true, y: false } } });
-    const add = (height, data, series, axes, label) => {
+    const field = decoded(r.field_kv_mm);
+    const common = secondAxis => ({ scales: { x: { time: false } }, padding: [8, secondAxis || !field ? 8 : 92, 0, 0], hooks: { drawClear: [shaded(r.spans)] },
+      cursor: { y: false, sync: { key: "recording" + index }, drag: { x: true, y: false } } });
+    const add = (height, data, series, axes, label, secondAxis) => {
       const div = place.appendChild(document.createElement("div"));
-      draw(div, height, data, () => ({ ...common(), series: series(), axes: axes() }), label + " of " + r.name +
+      draw(div, height, data, () => ({ ...common(secondAxis), series: series(), axes: axes() }), label + " of " + r.name +
         " over time; the tables on this page hold the figures");
     };
     const held = { paths: uPlot.paths.stepped({ align: 1 }) };
     add(240, [t, recorded, less(recorded, before, residualFactor), ...(after ? [less(recorded, after, residualFactor)] : [])],
       () => [time, line("recorded", "recorded", { width: 3 }), line("nominal", "nominal"),
         ...(after ? [line("improved", "improved")] : [])],
-      () => [axis(""), valueAxis(`position (${plot.position_unit})`)], "Position");
+      () => [bare(), valueAxis(`position (${plot.position_unit})`)], "Position");
     add(240, [t, before, ...(after ? [after] : [])],
       () => [time, line("recorded − nominal", "nominal"), ...(after ? [line("recorded − improved", "improved")] : [])],
-      () => [axis(""), valueAxis(`residual (${plot.residual_unit})`)], "Residual before and after");
-    const field = decoded(r.field_kv_mm);
-    add(180, [t, decoded(r.effort), ...(field ? [field] : [])],
-      () => [time, line(`${plot.effort_name} command`, "recorded", held),
-        ...(field ? [line("field command", "extra", { ...held, scale: "field" })] : [])],
-      () => [axis("time (s)"), valueAxis(`${plot.effort_name} (${plot.effort_unit})`),
-        ...(field ? [valueAxis("field (kV/mm)", { scale: "field", side: 1, grid: { show: false } })] : [])], "Commands");
+      () => [bare(), valueAxis(`residual (${plot.residual_unit})`)], "Residual before and after");
+    // The field may chatter: the torque is drawn over it.
+    add(180, [t, ...(field ? [field] : []), decoded(r.effort)],
+      () => [time, ...(field ? [line("field command", "extra", { ...held, scale: "field", width: 0.75 })] : []),
+        line(`${plot.effort_name} command`, "ink", { ...held, scale: "effort" })],
+      () => [axis("time (s)"), valueAxis(`${plot.effort_name} (${plot.effort_unit})`, { scale: "effort" }),
+        ...(field ? [valueAxis("field (kV/mm)", { scale: "field", side: 1, grid: { show: false } })] : [])], "Commands", Boolean(field));
   }
 
   function map(place) {
@@ -83,13 +86,13 @@
     const edge = (band, sign) => band.mean.map((mean, i) => band.half[i] === null ? null : mean + sign * band.half[i]);
     const triple = band => [edge(band, 1), edge(band, -1), band.mean];
     const spread = (band, label, name) => {
-      const bound = { stroke: "transparent", points: { show: false }, label: "" };
+      const bound = { class: "edge", stroke: "transparent", points: { show: false }, label: "" };
       return [bound, bound, line(label, name, { width: 2, points: { show: true, size: 5, fill: colour(name) },
         value: (_, value, __, i) => i == null ? "–" : digits(value) +
           (band.half[i] === null ? "" : " ± " + Number(band.half[i].toPrecision(2))) })];
     };
     const options = () => ({
-      scales: { x: { time: false } }, cursor: { drag: { x: true, y: false } },
+      scales: { x: { time: false } }, cursor: { y: false, drag: { x: true, y: false } },
       series: [{ label: m.x_label, value: (_, value) => digits(value) }, ...spread(m.before, "nominal", "nominal"),
         ...(m.after ? spread(m.after, "improved", "improved") : [])],
       axes: [axis(m.x_label), valueAxis(m.y_label)],

@@ -190,16 +190,24 @@ fn left_over(map: &ResidualMap) -> String {
 pub(super) fn rejected(answer: &Answer) -> String {
     let mut sorted: Vec<_> = answer.rejected.iter().collect();
     sorted.sort_by(|a, b| b.heldout_gain.total_cmp(&a.heldout_gain));
-    let rows = sorted.iter().map(|effect| {
-        let gain = format!("{:.1} %", 100.0 * effect.heldout_gain);
-        vec![format!("<code>{}</code>", text(&effect.id)), gain, text(&effect.why)]
-    });
+    let rows = sorted
+        .iter()
+        .map(|effect| vec![format!("<code>{}</code>", text(&effect.id)), gain(effect.heldout_gain), text(&effect.why)]);
     let rows: Vec<_> = rows.collect();
     if rows.is_empty() {
         return String::new();
     }
     let head = ["effect", "held-out error less", "why not"];
     section("rejected", "What was rejected", &table("Effects that were tried and not taken", &head, rows))
+}
+
+/// A relative fall of the held-out error in per cent; how far beyond twice the error says nothing.
+fn gain(gain: f64) -> String {
+    if gain < -1.0 {
+        return "below -100 %".to_owned();
+    }
+    // Adding zero takes the sign from what rounds to nothing.
+    format!("{:.1} %", (1000.0 * gain).round() / 10.0 + 0.0)
 }
 
 /// What to record next.
