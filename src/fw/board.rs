@@ -4,7 +4,7 @@
 //! |---|---|---|
 //! | PA5, PA6, PA7, PA4 | SPI1 SCK, MISO, MOSI, select of the AD2S1210 (WR/FSYNC) | mode 1, 10.5 MHz |
 //! | PB0, PB1, PB2, PB10 | SAMPLE, A0, A1, RESET of the AD2S1210 | pull-down on RESET |
-//! | PB13, PB14, PB15, PB12 | SPI2 SCK, MISO, MOSI, select of the AD5754R (SYNC) | mode 1, 10.5 MHz |
+//! | PB13, PB14, PB15, PB12 | SPI2 SCK, MISO, MOSI, select of the AD5754R (SYNC) | mode 1, 21 MHz to write, 10.5 MHz to read |
 //! | PC6, PC7 | LDAC, CLR of the AD5754R | pull-down on CLR: outputs 0 V until the image runs |
 //! | PC0 | ADC1 channel 10, field monitor | 0..3.3 V is 0..4 kV/mm |
 //! | PC1 | high-voltage interlock | high: closed; internal pull-down |
@@ -17,7 +17,6 @@
 use cortex_m::singleton;
 use embedded_hal::delay::DelayNs;
 use embedded_hal::spi::MODE_1;
-use embedded_hal_bus::spi::{ExclusiveDevice, NoDelay};
 use er_servo::app::{FieldMonitor, Servo, Wiring};
 use er_servo::drivers::ad2s1210::{self, Ad2s1210};
 use er_servo::drivers::dac::{self, Dac, Part};
@@ -29,7 +28,6 @@ use stm32f4xx_hal::adc::config::{AdcConfig, SampleTime, Sequence};
 use stm32f4xx_hal::dma::traits::{PeriAddress, Stream};
 use stm32f4xx_hal::dma::{DmaChannel, DmaDataSize, DmaDirection, Stream5, StreamsTuple};
 use stm32f4xx_hal::flash::LockedFlash;
-use stm32f4xx_hal::gpio::{Input, Output, PEPin, PushPull};
 use stm32f4xx_hal::pac;
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc;
@@ -39,7 +37,10 @@ use stm32f4xx_hal::spi::Spi;
 use stm32f4xx_hal::timer::{CounterHz, Event};
 use stm32f4xx_hal::watchdog::IndependentWatchdog;
 
+use super::pin::{In, Out};
+use super::spi::{Device, FastWrites};
 use super::storage::Storage;
+use super::tick::Offset;
 
 /// PC8.
 pub const HV_ENABLE_PIN: u32 = 8;
@@ -50,21 +51,22 @@ pub const FAULT_LAMP_PIN: u32 = 9;
 
 /// Frames between the interrupt and the log: 64 ms, power of two for a cheap queue.
 pub const QUEUE_FRAMES: usize = 128;
+/// Offsets of an experiment that are computed ahead: 32 ms.
+pub const QUEUE_OFFSETS: usize = 64;
 /// The drive restarts when thread mode or the tick stands still for this long.
 pub const WATCHDOG_MS: u32 = 100;
 /// Bytes of the link's ring.
 const RING_BYTES: usize = 1024;
 const CORE_HZ: u32 = 168_000_000;
 
-type Device<Bus, const PORT: char> = ExclusiveDevice<Spi<Bus>, PEPin<PORT, Output<PushPull>>, NoDelay>;
 /// What the application loop is wired to.
 pub type Hardware = Wiring<
     Device<pac::SPI1, 'A'>,
-    PEPin<'B', Output<PushPull>>,
-    Device<pac::SPI2, 'B'>,
-    PEPin<'C', Output<PushPull>>,
-    PEPin<'C', Input>,
-    PEPin<'C', Output<PushPull>>,
+    Out<'B'>,
+    FastWrites<Device<pac::SPI2, 'B'>>,
+    Out<'C'>,
+    In<'C'>,
+    Out<'C'>,
     Monitor,
     CycleDelay,
 >;
@@ -78,9 +80,13 @@ pub struct Board {
     /// Running.
     pub watchdog: IndependentWatchdog,
     /// Where the interrupt puts frames.
-    pub frames_in: Producer<'static, Frame>,
-    /// Where thread mode takes them.
-    pub frames: Consumer<'static, Frame>,
+    pub frames_in: Producer<'static, Frame, QUEUE_FRAMES>,
+    /// Where the interrupt takes the offsets of an experiment.
+    pub offsets: Consumer<'static, Offset, QUEUE_OFFSETS>,
+    /// Where thread mode puts them.
+    pub offsets_in: Producer<'static, Offset, QUEUE_OFFSETS>,
+    /// Where thread mode takes frames.
+    pub frames: Consumer<'static, Frame, QUEUE_FRAMES>,
     /// What the last reset says.
     pub reset_faults: Faults,
     /// Bytes of the link that came in.
@@ -100,6 +106,7 @@ impl Board {
         let device = pac::Peripherals::take()?;
         let queue = singleton!(: Queue<Frame, QUEUE_FRAMES> = Queue::new())?;
         let (frames_in, frames) = queue.split();
+        let (offsets_in, offsets) = singleton!(: Queue<Offset, QUEUE_OFFSETS> = Queue::new())?.split();
 
         let reset_faults = reset_cause(&device.RCC);
         let config = rcc::Config::hse(8.MHz()).sysclk(CORE_HZ.Hz()).pclk1(42.MHz()).pclk2(84.MHz());
@@ -114,29 +121,29 @@ impl Board {
 
         let (a, b, c) = (device.GPIOA.split(&mut rcc), device.GPIOB.split(&mut rcc), device.GPIOC.split(&mut rcc));
         // First of all the pins that keep the outputs safe.
-        let hv_enable = c.pc8.into_push_pull_output().erase_number();
-        let clear = c.pc7.into_push_pull_output().erase_number();
+        let hv_enable: Out<'C'> = c.pc8.into_push_pull_output().erase_number().into();
+        let clear: Out<'C'> = c.pc7.into_push_pull_output().erase_number().into();
         let spi1_pins = (Some(a.pa5), Some(a.pa6), Some(a.pa7));
         let spi1 = Spi::new(device.SPI1, spi1_pins, MODE_1, 10_500.kHz(), &mut rcc);
         let spi2_pins = (Some(b.pb13), Some(b.pb14), Some(b.pb15));
         let spi2 = Spi::new(device.SPI2, spi2_pins, MODE_1, 10_500.kHz(), &mut rcc);
-        let select_resolver = a.pa4.into_push_pull_output().erase_number();
-        let select_dac = b.pb12.into_push_pull_output().erase_number();
+        let select_resolver: Out<'A'> = a.pa4.into_push_pull_output().erase_number().into();
+        let select_dac: Out<'B'> = b.pb12.into_push_pull_output().erase_number().into();
         let resolver_pins = ad2s1210::Pins {
-            sample: b.pb0.into_push_pull_output().erase_number(),
-            a0: b.pb1.into_push_pull_output().erase_number(),
-            a1: b.pb2.into_push_pull_output().erase_number(),
-            reset: b.pb10.into_push_pull_output().erase_number(),
+            sample: b.pb0.into_push_pull_output().erase_number().into(),
+            a0: b.pb1.into_push_pull_output().erase_number().into(),
+            a1: b.pb2.into_push_pull_output().erase_number().into(),
+            reset: b.pb10.into_push_pull_output().erase_number().into(),
         };
-        let dac_pins = dac::Pins { ldac: c.pc6.into_push_pull_output().erase_number(), clear };
+        let dac_pins = dac::Pins { ldac: c.pc6.into_push_pull_output().erase_number().into(), clear };
         let wiring = Wiring {
-            resolver: Ad2s1210::new(ExclusiveDevice::new_no_delay(spi1, select_resolver).ok()?, resolver_pins),
-            dac: Dac::new(ExclusiveDevice::new_no_delay(spi2, select_dac).ok()?, dac_pins, Part::Quad),
-            interlock_closed: c.pc1.into_pull_down_input().erase_number(),
-            stop_released: c.pc2.into_pull_down_input().erase_number(),
+            resolver: Ad2s1210::new(Device::new(spi1, select_resolver), resolver_pins),
+            dac: Dac::new(FastWrites::new(Device::new(spi2, select_dac)), dac_pins, Part::Quad),
+            interlock_closed: c.pc1.into_pull_down_input().erase_number().into(),
+            stop_released: c.pc2.into_pull_down_input().erase_number().into(),
             hv_enable,
-            fault_lamp: c.pc9.into_push_pull_output().erase_number(),
-            brake_feedback: c.pc3.into_push_pull_output().erase_number(),
+            fault_lamp: c.pc9.into_push_pull_output().erase_number().into(),
+            brake_feedback: c.pc3.into_push_pull_output().erase_number().into(),
             monitor: Monitor::new(device.ADC1, c.pc0.into_analog(), &mut rcc),
             delay: CycleDelay,
         };
@@ -150,7 +157,20 @@ impl Board {
         let (tx, rx) = Serial::new(device.USART2, (a.pa2, a.pa3), serial_config, &mut rcc).ok()?.split();
         let streams = StreamsTuple::new(device.DMA1, &mut rcc);
         let ring = Ring::start(streams.5, rx, singleton!(: [u8; RING_BYTES] = [0; RING_BYTES])?);
-        Some(Self { servo, timer, watchdog, frames_in, frames, reset_faults, ring, tx, storage, config })
+        Some(Self {
+            servo,
+            timer,
+            watchdog,
+            frames_in,
+            frames,
+            offsets,
+            offsets_in,
+            reset_faults,
+            ring,
+            tx,
+            storage,
+            config,
+        })
     }
 }
 

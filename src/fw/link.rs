@@ -1,20 +1,22 @@
 //! The command link in thread mode. Bytes come in by DMA into a ring, so that none of them costs the tick anything.
 
 use embedded_hal_nb::serial::Write;
+use er_servo::experiment::Sequence;
 use er_servo::link::{
     Answer, Command, Counters, Malformed, PACKET_BYTES, PROTOCOL, Packet, Receiver, Refusal, Reply, Status,
 };
 use er_servo::storage::StorageError;
 use er_servo::{Config, Counts, FRAME_SCHEMA, Faults, Frame, Params, Request, Supervisor, parameters};
 use heapless::Deque;
+use heapless::spsc::Producer;
 use stm32f4xx_hal::pac::USART2;
 use stm32f4xx_hal::serial::Tx;
 use stm32f4xx_hal::watchdog::IndependentWatchdog;
 
-use super::board::Ring;
+use super::board::{QUEUE_OFFSETS, Ring};
 use super::log::{self, Log};
 use super::storage::Storage;
-use super::tick;
+use super::tick::{self, Offset};
 
 /// Bytes of answers that wait for the line; more are dropped, the host asks again.
 const OUT_BYTES: usize = 4 * PACKET_BYTES;
@@ -33,6 +35,9 @@ pub struct Link {
     /// Parameters as the host has written them, not yet applied.
     staged: Config,
     last: Option<Frame>,
+    /// The experiment that runs, and where its offsets go.
+    sequence: Option<Sequence>,
+    offsets: Producer<'static, Offset, QUEUE_OFFSETS>,
 }
 
 struct Session {
@@ -42,7 +47,13 @@ struct Session {
 
 impl Link {
     /// With the parameters the law was started with.
-    pub fn new(ring: Ring, tx: Tx<USART2>, storage: Storage, config: Config) -> Self {
+    pub fn new(
+        ring: Ring,
+        tx: Tx<USART2>,
+        storage: Storage,
+        config: Config,
+        offsets: Producer<'static, Offset, QUEUE_OFFSETS>,
+    ) -> Self {
         Self {
             ring,
             tx,
@@ -54,6 +65,8 @@ impl Link {
             config,
             staged: config,
             last: None,
+            sequence: None,
+            offsets,
         }
     }
 
@@ -72,12 +85,25 @@ impl Link {
                 Some(Err(Malformed::Damaged)) => self.counters.damaged = self.counters.damaged.wrapping_add(1),
             }
         }
+        self.compute_ahead();
         while let Some(byte) = self.out.front() {
             match self.tx.write(*byte) {
                 Err(nb::Error::WouldBlock) => break,
                 // A byte the line refused is gone; the host's check finds it.
                 _ => self.out.pop_front(),
             };
+        }
+    }
+
+    /// Keeps the queue of offsets full.
+    fn compute_ahead(&mut self) {
+        while self.offsets.ready() {
+            let Some(sequence) = &mut self.sequence else { return };
+            let offset = sequence.next().map_or(Offset::End, Offset::Counts);
+            if matches!(offset, Offset::End) {
+                self.sequence = None;
+            }
+            let _ = self.offsets.enqueue(offset);
         }
     }
 
@@ -152,10 +178,13 @@ impl Link {
             Command::Disable => self.request(Request::Disable),
             Command::ClearFault => self.clear(),
             Command::Reference { counts } => self.while_running(|tick| tick.follow(Counts(counts))),
-            Command::Hold => self.while_running(tick::Tick::hold),
+            Command::Hold => self.while_running(tick::Tick::end_experiment),
             Command::Run(experiment) => {
                 let sequence = experiment.start(self.config.period_s).map_err(|_| Refusal::Value)?;
-                self.while_running(|tick| tick.experiment(sequence))
+                self.while_running(tick::Tick::end_experiment)?;
+                self.sequence = Some(sequence);
+                self.compute_ahead();
+                self.while_running(tick::Tick::experiment)
             }
             Command::ReadParameter { index } => {
                 let parameter = parameters::TABLE.get(usize::from(index)).ok_or(Refusal::Index)?;

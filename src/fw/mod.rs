@@ -10,7 +10,9 @@
 mod board;
 mod link;
 mod log;
+mod pin;
 mod safe;
+mod spi;
 mod storage;
 mod tick;
 
@@ -31,8 +33,8 @@ fn main() -> ! {
         log::init_failed(&error);
     }
     board.watchdog.feed();
-    tick::start(board.servo, board.timer, board.frames_in, board.reset_faults);
-    let mut link = Link::new(board.ring, board.tx, board.storage, board.config);
+    tick::start(board.servo, board.timer, board.frames_in, board.offsets, board.reset_faults);
+    let mut link = Link::new(board.ring, board.tx, board.storage, board.config, board.offsets_in);
     loop {
         let mut ticked = false;
         while let Some(frame) = board.frames.dequeue() {

@@ -5,16 +5,15 @@ use core::cell::RefCell;
 use cortex_m::interrupt::Mutex;
 use cortex_m::peripheral::{DWT, NVIC};
 use er_servo::app::{InitError, Orders, Servo};
-use er_servo::experiment::Sequence;
 use er_servo::link::SILENCE_S;
 use er_servo::{Counts, Faults, Frame, Params, Request, State, Supervisor, Timing};
-use heapless::spsc::Producer;
+use heapless::spsc::{Consumer, Producer};
 use stm32f4xx_hal::pac::{self, interrupt};
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::spi;
 use stm32f4xx_hal::timer::{CounterHz, Flag};
 
-use super::board::Hardware;
+use super::board::{Hardware, QUEUE_FRAMES, QUEUE_OFFSETS};
 
 /// Ticks a second.
 const TICK_HZ: u32 = 2000;
@@ -26,8 +25,7 @@ const LATE_CYCLES: u32 = TICK_CYCLES + TICK_CYCLES / 4;
 const SILENT_TICKS: u32 = (SILENCE_S * TICK_HZ as f32) as u32;
 
 /// Why the chips did not come up.
-pub type HardwareError = InitError<DeviceError, DeviceError>;
-type DeviceError = embedded_hal_bus::spi::DeviceError<spi::Error, core::convert::Infallible>;
+pub type HardwareError = InitError<spi::Error, spi::Error>;
 
 /// Where the reference comes from.
 #[derive(Debug)]
@@ -36,15 +34,25 @@ enum Source {
     Held,
     /// The link, whose silence is then a fault.
     Link,
-    /// An experiment, counted from where the axis stood.
-    Experiment { sequence: Sequence, base: Counts },
+    /// An experiment, counted from where the reference stood.
+    Experiment { base: Counts },
+}
+
+/// What thread mode computes ahead of the tick: sixteen sines do not belong into an interrupt.
+#[derive(Debug, Clone, Copy)]
+pub enum Offset {
+    /// From where the reference stood, counts.
+    Counts(Counts),
+    /// The experiment is over; the reference stays.
+    End,
 }
 
 /// What the interrupt works on. Thread mode takes it for a few microseconds at a time, with interrupts off.
 pub struct Tick {
     servo: Servo<Hardware>,
     timer: CounterHz<pac::TIM2>,
-    frames: Producer<'static, Frame>,
+    frames: Producer<'static, Frame, QUEUE_FRAMES>,
+    offsets: Consumer<'static, Offset, QUEUE_OFFSETS>,
     orders: Orders,
     source: Source,
     /// Ticks since the link was heard of.
@@ -62,7 +70,8 @@ static TICK: Mutex<RefCell<Option<Tick>>> = Mutex::new(RefCell::new(None));
 pub fn start(
     servo: Servo<Hardware>,
     mut timer: CounterHz<pac::TIM2>,
-    frames: Producer<'static, Frame>,
+    frames: Producer<'static, Frame, QUEUE_FRAMES>,
+    offsets: Consumer<'static, Offset, QUEUE_OFFSETS>,
     reset_faults: Faults,
 ) {
     // 2 kHz divides the timer's clock; a timer that refuses never ticks, and the watchdog says so.
@@ -71,6 +80,7 @@ pub fn start(
         servo,
         timer,
         frames,
+        offsets,
         orders: Orders { reported: reset_faults, ..Orders::default() },
         source: Source::Held,
         silent_ticks: SILENT_TICKS,
@@ -130,14 +140,15 @@ impl Tick {
         self.orders.reference = reference;
     }
 
-    /// The reference stays where it is.
-    pub fn hold(&mut self) {
+    /// Forgets the offsets of an experiment before; the reference stays.
+    pub fn end_experiment(&mut self) {
         self.source = Source::Held;
+        while self.offsets.dequeue().is_some() {}
     }
 
-    /// Runs an experiment from where the reference stands.
-    pub fn experiment(&mut self, sequence: Sequence) {
-        self.source = Source::Experiment { sequence, base: self.orders.reference };
+    /// Runs the experiment whose first offsets are in the queue, from where the reference stands.
+    pub fn experiment(&mut self) {
+        self.source = Source::Experiment { base: self.orders.reference };
     }
 
     /// Replaces the parameters; refused while running.
@@ -185,10 +196,12 @@ impl Tick {
             self.source = Source::Held;
             self.orders.reference = state.position();
         }
-        if let Source::Experiment { sequence, base } = &mut self.source {
-            match sequence.next() {
-                Some(offset) => self.orders.reference = Counts(base.0.saturating_add(offset.0)),
-                None => self.source = Source::Held,
+        if let Source::Experiment { base } = self.source {
+            match self.offsets.dequeue() {
+                Some(Offset::Counts(offset)) => self.orders.reference = Counts(base.0.saturating_add(offset.0)),
+                Some(Offset::End) => self.source = Source::Held,
+                // Thread mode is more than 32 ms late: the reference waits for it.
+                None => {}
             }
         }
         self.orders.reference_from_link = matches!(self.source, Source::Link);

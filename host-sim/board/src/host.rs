@@ -19,6 +19,8 @@ pub struct Host {
     open: bool,
     said_hello: Option<VirtualNanos>,
     read: usize,
+    /// The bytes of the last command that was sent.
+    pub last_sent: Vec<u8>,
     /// Every answer, with the instant it was complete.
     pub replies: Vec<(VirtualNanos, Reply)>,
 }
@@ -49,7 +51,8 @@ impl Host {
                 return;
             }
             if let Some((_, command)) = self.waiting.pop_front() {
-                terminal.send(now, &self.client.send(command).1);
+                self.last_sent = self.client.send(command).1;
+                terminal.send(now, &self.last_sent);
             }
         }
     }

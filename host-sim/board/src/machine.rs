@@ -88,13 +88,13 @@ impl ServoBoard {
     /// Level on a pin, as a wire soldered to it sees it.
     pub fn level(&mut self, port: Port, pin: u8) -> bool {
         let (gpio, registers) = self.mcu.port(port as usize);
-        Pin::new(pin.into()).is_some_and(|pin| gpio.level(pin, registers) == Level::High)
+        Pin::new(pin).is_some_and(|pin| gpio.level(pin, registers) == Level::High)
     }
 
     /// Drives a pin from outside.
     pub fn drive(&mut self, at: VirtualNanos, port: Port, pin: u8, high: bool) {
         let level = if high { Level::High } else { Level::Low };
-        if let Some(pin) = Pin::new(pin.into()) {
+        if let Some(pin) = Pin::new(pin) {
             self.mcu.drive_port(at, port as usize, |gpio, registers, context| {
                 gpio.drive(pin, Some(level), registers, context);
             });

@@ -21,7 +21,7 @@ struct Arguments {
     #[arg(long)]
     elf: PathBuf,
     /// Step of the reference, rad.
-    #[arg(long, default_value_t = 0.523_598_8)]
+    #[arg(long, default_value_t = std::f32::consts::FRAC_PI_6)]
     step_rad: f32,
     /// How long the step lasts, s; between 0.01 and 100.
     #[arg(long, default_value_t = 1.0)]

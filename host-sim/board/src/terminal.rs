@@ -8,7 +8,7 @@ use rigless::snapshot::Store;
 use rigless::time::VirtualNanos;
 
 /// Time of one byte at 921600 baud, 8N1, ns.
-const BYTE_NS: u64 = 10_851;
+pub const BYTE_NS: u64 = 10_851;
 
 /// A serial terminal.
 #[derive(Debug, Default)]

@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 use plant::chips::Chip;
 use plant::chips::ad2s1210::Pin as ResolverPin;
 use plant::chips::dac::Pin as DacPin;
-use rigless::emulator::{AccessKind, Driver, Host, Settled, Stop};
+use rigless::emulator::{AccessKind, Driver, Host, Settled, Stop, Watch};
 use rigless::session::Session;
 use rigless::time::VirtualNanos;
 
@@ -13,12 +13,18 @@ use crate::host::Host as LinkHost;
 use crate::machine::{Port, ServoBoard};
 use crate::rotor::Rotor;
 use crate::rtt::Probe;
+use crate::terminal::BYTE_NS;
 
 /// Longest way between two looks at the world, ns: one tick. The rotor does not depend on it: it is moved exactly to every
 /// sample and every change of command.
 const STRIDE_NS: u64 = 500_000;
 /// Registers of the ports A to C.
 const PORTS: std::ops::Range<u64> = 0x4002_0000..0x4002_0C00;
+
+/// First register of port C.
+const PORT_C: u64 = 0x4002_0800;
+/// Registers of the first converter.
+const ADC1: std::ops::Range<u64> = 0x4001_2000..0x4001_2100;
 
 /// PC1, interlock; PC2, stop released.
 pub const INTERLOCK: (Port, u8) = (Port::C, 1);
@@ -59,8 +65,15 @@ pub struct World {
     pub commands: Vec<CommandSeen>,
     /// Instants of the falling edges of SAMPLE.
     pub samples: Vec<VirtualNanos>,
-    /// Addresses of watched instructions that were reached, with the instruction count.
+    /// Instructions to watch; give them before the run.
+    pub watch: Vec<u64>,
+    /// Watched instructions that were reached, with the count of instructions before them.
     pub hits: Vec<(u64, u64)>,
+    /// Instructions of each tick between its last input (the field monitor) and its first output (a pin of port C).
+    pub law_instructions: Vec<u64>,
+    last_input: Option<u64>,
+    /// When the reset pin is pulled, if ever.
+    pub reset_at: Option<VirtualNanos>,
     script: VecDeque<(VirtualNanos, Act)>,
     until: VirtualNanos,
     pins: Pins,
@@ -93,7 +106,11 @@ impl World {
             probe: None,
             commands: Vec::new(),
             samples: Vec::new(),
+            watch: Vec::new(),
             hits: Vec::new(),
+            law_instructions: Vec::new(),
+            last_input: None,
+            reset_at: None,
             script: VecDeque::new(),
             until,
             // Pins float low until the image makes outputs of them; the board's pull-downs say the same.
@@ -177,8 +194,18 @@ impl World {
 impl Driver<ServoBoard> for World {
     fn on_settled(&mut self, session: &mut Session<ServoBoard>, _host: &mut dyn Host, settled: Settled) {
         match settled {
-            Settled::Access { access, .. } if access.kind == AccessKind::Write && PORTS.contains(&access.address) => {
-                self.carry_pins(session.board_mut(), access.virtual_time);
+            Settled::Access { access, .. } if access.kind == AccessKind::Write => {
+                if ADC1.contains(&access.address) {
+                    self.last_input = Some(access.instruction_count);
+                }
+                if PORTS.contains(&access.address) {
+                    if access.address >= PORT_C
+                        && let Some(input) = self.last_input.take()
+                    {
+                        self.law_instructions.push(access.instruction_count - input);
+                    }
+                    self.carry_pins(session.board_mut(), access.virtual_time);
+                }
             }
             Settled::Hit(hit) => self.hits.push((hit.address, hit.instruction_count)),
             _ => {}
@@ -187,10 +214,18 @@ impl Driver<ServoBoard> for World {
 
     fn on_stop(&mut self, session: &mut Session<ServoBoard>, stop: Stop, host: &mut dyn Host) -> Option<VirtualNanos> {
         let now = stop.at;
+        for address in self.watch.drain(..) {
+            session.watch(Watch::Instruction(address));
+        }
+        session.settle_watches(host);
         while self.script.front().is_some_and(|(when, _)| *when <= now) {
             if let Some((_, act)) = self.script.pop_front() {
                 act(self, session.board_mut(), host, now);
             }
+        }
+        if self.reset_at.is_some_and(|at| at <= now) {
+            self.reset_at = None;
+            session.reset_by_pin(now, stop.instruction_count, host);
         }
         self.carry_pins(session.board_mut(), now);
         if let Some(terminal) = session.board_mut().terminal() {
@@ -202,10 +237,14 @@ impl Driver<ServoBoard> for World {
         if now >= self.until {
             return None;
         }
+        // A byte that is due and not taken (the receiver is off) is offered again a byte's time later.
         let due = session.board_mut().terminal().and_then(|terminal| terminal.next_due());
+        let due = due.map(|due| if due > now { due } else { VirtualNanos(now.0 + BYTE_NS) });
         let script = self.script.front().map(|(when, _)| *when);
-        let next = [Some(VirtualNanos(now.0 + STRIDE_NS)), due, script, Some(self.until)].into_iter().flatten().min();
-        // A byte that is due already goes out at this very stop.
+        let next = [Some(VirtualNanos(now.0 + STRIDE_NS)), due, script, self.reset_at, Some(self.until)]
+            .into_iter()
+            .flatten()
+            .min();
         next.map(|next| VirtualNanos(next.0.max(now.0 + 1)))
     }
 }

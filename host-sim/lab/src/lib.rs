@@ -5,10 +5,12 @@
 
 pub mod cli;
 pub mod decide;
+pub mod decode;
 pub mod effects;
 pub mod error;
 pub mod locate;
 pub mod output;
+pub mod paper;
 pub mod plot;
 pub mod progress;
 pub mod read;
@@ -19,5 +21,6 @@ pub mod residual;
 pub mod screen;
 pub mod simulate;
 pub mod stability;
+pub mod tune;
 
 pub use error::Error;

@@ -6,7 +6,9 @@
 use std::fs;
 use std::path::Path;
 
+use er_servo::{Config, Counts, Frame, Inputs, Timing};
 use lab::read::{Machine, Recording};
+use lab::simulate::{Reference, Setup, run};
 use rand::rngs::StdRng;
 use rand::{Rng, SeedableRng};
 
@@ -84,4 +86,60 @@ fn parquet_recordings() {
     let valid = fs::read(&file).unwrap();
     let refused = refused(&valid, |bytes| Recording::from_parquet_bytes(&file, bytes, None).map(drop));
     assert!(refused > CASES / 2 && refused < CASES, "{refused} of {CASES} refused");
+}
+
+#[test]
+fn references() {
+    let valid = b"t_s,reference_rad\n0,0\n0.0005,0.25\n0.0010,-1e-3\n0.5,3\n";
+    let file = Path::new("hostile.csv");
+    assert!(Reference::from_csv_bytes(file, valid).is_ok());
+    let refused = refused(valid, |bytes| {
+        let reference = Reference::from_csv_bytes(file, bytes)?;
+        if let Ok(positions) = reference.positions(0.0005) {
+            assert!(positions.take(10_000).count() > 0);
+        }
+        Ok(())
+    });
+    assert!(refused > CASES / 2 && refused < CASES, "{refused} of {CASES} refused");
+}
+
+#[test]
+fn frames() {
+    let rows = run(
+        &Setup {
+            model: plant::Model::paper(),
+            config: Config::default(),
+            disturbances: Vec::new(),
+            sensor_noise_rad: 0.0,
+            torque_noise_nm: 0.0,
+            seed: 1,
+        },
+        [Counts(100)],
+    );
+    let outputs = rows.unwrap()[0].outputs;
+    let frame = Frame { seq: 7, lost: 1, inputs: Inputs::default(), outputs, timing: Timing::default() };
+    let valid = frame.encode();
+    let mut random = StdRng::seed_from_u64(SEED);
+    let mut decoded = 0;
+    for _ in 0..CASES * 50 {
+        let mut bytes = hostile(&mut random, &valid);
+        if random.random() && bytes.len() == valid.len() {
+            // With a check that matches, the values behind it are reached.
+            bytes[0] = valid[0];
+            bytes[1] = check(&bytes);
+        }
+        if let Ok(frame) = Frame::decode(&bytes) {
+            assert_eq!(Frame::decode(&frame.encode()), Ok(frame));
+            decoded += 1;
+        }
+    }
+    assert!(decoded > CASES / 10, "{decoded} decoded");
+}
+
+/// CRC-8 of a frame, polynomial 0x07, over all bytes but itself.
+fn check(bytes: &[u8]) -> u8 {
+    let others = bytes.iter().enumerate().filter(|(at, _)| *at != 1).map(|(_, byte)| *byte);
+    others.fold(0, |sum, byte| {
+        (0..8).fold(sum ^ byte, |sum: u8, _| if sum & 0x80 == 0 { sum << 1 } else { sum << 1 ^ 0x07 })
+    })
 }

@@ -5,8 +5,12 @@ use std::path::PathBuf;
 use plant::{Er, FieldResponse, FluidResponse, Model};
 
 use crate::Error;
+use crate::effects::Physics;
 use crate::read::{AxisKind, Machine};
-use crate::simulate::nominal;
+use crate::refit::model;
+
+/// Longest delay a flag may ask for, ms; that of machine files.
+const LONGEST_DELAY_MS: f64 = 1000.0;
 
 /// How the fluid follows its command (control.md section 5).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
@@ -45,6 +49,7 @@ impl MachineArgs {
     /// # Errors
     /// A machine file that cannot be read, a linear axis, or delays that do not fit the delay model.
     pub fn build(&self) -> Result<(Model, er_servo::Config), Error> {
+        self.check_delays()?;
         let (mut model, config) = match &self.machine {
             None => (paper(), er_servo::Config::default()),
             Some(file) => {
@@ -54,7 +59,7 @@ impl MachineArgs {
                         "the control law drives a rotary axis; a linear machine can be compared, not simulated";
                     return Err(Error::input(file, None, "axis.kind", message));
                 }
-                (nominal(&machine), machine.controller.unwrap_or_default())
+                (model(&Physics::of(&machine, &[])?, 0), machine.controller.unwrap_or_default())
             }
         };
         if let Some(fluid) = self.fluid {
@@ -65,6 +70,20 @@ impl MachineArgs {
             model.torque_delay_s = delay_ms * 1e-3;
         }
         Ok((model, config))
+    }
+
+    fn check_delays(&self) -> Result<(), Error> {
+        let delays = [
+            ("--dead-time-ms", self.dead_time_ms),
+            ("--lag-ms", self.lag_ms),
+            ("--drive-delay-ms", self.drive_delay_ms.unwrap_or(0.0)),
+        ];
+        for (flag, delay_ms) in delays {
+            if !(0.0..=LONGEST_DELAY_MS).contains(&delay_ms) {
+                return Err(Error::Usage(format!("{flag}: {delay_ms} ms is not allowed, 0 to {LONGEST_DELAY_MS} is")));
+            }
+        }
+        Ok(())
     }
 
     fn response(&self, fluid: Fluid) -> Result<FluidResponse, Error> {

@@ -1,12 +1,15 @@
 //! One file for each command: its flags and what it does with them.
 
 mod compare;
+mod decode;
 mod demo;
 mod diagnose;
 mod machine;
+mod paper;
 mod replay;
 mod simulate;
 mod stability;
+mod tune;
 
 use crate::Error;
 
@@ -26,10 +29,16 @@ enum Command {
     Replay(replay::Args),
     /// Drive the nominal model with the recorded commands; show where the position disagrees.
     Compare(compare::Args),
+    /// Turn the log of the image (RTT bytes) into a recording.
+    Decode(decode::Args),
     /// Find what the model leaves out of the recordings, with its parameters, or say that they cannot tell.
     Diagnose(diagnose::Args),
     /// Stability of the linear loop by four methods: margins, limits, area, picture.
     Stability(stability::StabilityArgs),
+    /// Reproduce the paper: its figures, and a table of what became of each claim.
+    Paper(paper::Args),
+    /// Find gains that keep margins over the uncertainty of every delay, and settle fast; write the parameter file.
+    Tune(tune::Args),
     /// Do the main job on embedded data: loop, recording with something left out of the model, comparison.
     Demo(demo::Args),
 }
@@ -44,8 +53,11 @@ impl Cli {
             Command::Simulate(args) => simulate::run(args),
             Command::Replay(args) => replay::run(args),
             Command::Compare(args) => compare::run(args),
+            Command::Decode(args) => decode::run(args),
             Command::Diagnose(args) => diagnose::run(args),
             Command::Stability(args) => stability::run(args),
+            Command::Paper(args) => paper::run(args),
+            Command::Tune(args) => tune::run(args),
             Command::Demo(args) => demo::run(args),
         }
     }

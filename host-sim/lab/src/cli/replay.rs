@@ -31,9 +31,12 @@ pub fn run(args: &Args) -> Result<(), Error> {
             (Some(machine.axis.kind), machine.controller.ok_or_else(missing)?)
         }
     };
+    let mut text = String::new();
     for file in &args.recordings {
         let recording = Recording::read(file, axis)?;
-        output::print(&format!("{}: {}\n", file.display(), replay(&recording, &config)?))?;
+        let result = replay(&recording, &config)?;
+        text.extend(recording.notes().iter().map(|note| format!("note: {note}\n")));
+        text += &format!("{}: {result}\n", file.display());
     }
-    Ok(())
+    output::print(&text)
 }

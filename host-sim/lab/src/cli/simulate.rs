@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use er_servo::experiment::{Experiment, Shape};
 
 use super::machine::MachineArgs;
-use crate::simulate::{Disturbance, Reference, Scenario, Setup, Summary, record, run as run_loop};
+use crate::simulate::{Disturbance, Reference, Scenario, Setup, Summary, period_s, record, run as run_loop};
 use crate::{Error, output};
 
 /// The built-in scenarios.
@@ -67,8 +67,18 @@ pub struct Args {
     #[arg(long, default_value_t = 1)]
     seed: u32,
     /// Recording to write, .csv or .parquet; without one, only the summary is printed.
-    #[arg(long, short, value_name = "FILE")]
+    #[arg(long, short, value_name = "FILE", value_parser = recording_name)]
     out: Option<PathBuf>,
+}
+
+/// Refused before the run, and not after it.
+fn recording_name(text: &str) -> Result<PathBuf, String> {
+    let file = PathBuf::from(text);
+    let extension = file.extension().map(|extension| extension.to_string_lossy().to_ascii_lowercase());
+    match extension.as_deref() {
+        Some("csv" | "parquet") => Ok(file),
+        _ => Err("the name of a recording must end in .csv or .parquet".to_owned()),
+    }
 }
 
 fn disturbance(text: &str) -> Result<Disturbance, String> {
@@ -96,7 +106,7 @@ pub fn run(args: &Args) -> Result<(), Error> {
         torque_noise_nm: args.torque_noise_nm,
         seed: u64::from(args.seed),
     };
-    let period_s = f64::from(config.period_s);
+    let period_s = period_s(&config);
     let rows = run_loop(&setup, scenario.reference.positions(period_s)?)?;
     if let Some(file) = &args.out {
         let name = file.file_name().unwrap_or_default().to_string_lossy();

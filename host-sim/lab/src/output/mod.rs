@@ -93,6 +93,18 @@ fn one_line(message: &str) -> String {
 }
 
 impl Recording {
+    /// The recording as CSV text, for standard output.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Output`], if memory is all.
+    pub fn to_csv(&self) -> Result<String, Error> {
+        let mut text = Vec::new();
+        let failed = |reason: String| Error::Output { file: PathBuf::from("standard output"), reason };
+        csv_recording::write(self, &mut text).map_err(|error| failed(error.to_string()))?;
+        String::from_utf8(text).map_err(|error| failed(error.to_string()))
+    }
+
     /// Writes the recording, as the extension of `file` says: `.csv` or `.parquet`. Every number reads back to the same
     /// bits. Units follow the axis; gaps stay missing rows.
     ///

@@ -53,6 +53,13 @@ impl Series {
     pub fn new(name: &str, mark: Mark, points: impl IntoIterator<Item = (f64, f64)>) -> Self {
         Self { name: name.to_owned(), mark, points: points.into_iter().collect() }
     }
+
+    /// A cross at a single point, larger than a dot; its half width and height are in the units of the axes.
+    pub fn cross(name: &str, (x, y): (f64, f64), (half_width, half_height): (f64, f64)) -> Self {
+        let gap = (f64::NAN, f64::NAN);
+        let bars = [(x - half_width, y), (x + half_width, y), gap, (x, y - half_height), (x, y + half_height)];
+        Self::new(name, Mark::Line, bars)
+    }
 }
 
 /// One coordinate system of a figure.

@@ -45,14 +45,9 @@ fn value(section: &Section<'_, '_>, pair: &Pair, parameter: &Parameter) -> Resul
 
 /// Every key of the section with the value it has in `config`.
 pub(super) fn controller_pairs(config: &Config) -> Vec<(&'static str, Setting)> {
-    let setting = |parameter: &Parameter| {
-        let value = (parameter.get)(config);
-        if parameter.unit == "flag" { Setting::Flag(value != 0.0) } else { Setting::Number(decimal(value)) }
+    let setting = |parameter: &Parameter| match (parameter.get)(config) {
+        value if parameter.unit == "flag" => Setting::Flag(value != 0.0),
+        value => Setting::Number(value.into()),
     };
     parameters::TABLE.iter().map(|parameter| (parameter.name, setting(parameter))).collect()
-}
-
-/// The double that prints as the single does: 0.0704, not 0.07039999961853027.
-fn decimal(value: f32) -> f64 {
-    value.to_string().parse().unwrap_or(f64::from(value))
 }

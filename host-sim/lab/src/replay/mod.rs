@@ -2,8 +2,9 @@
 //!
 //! A difference means that another controller ran: another gain, another build, lost frames. No physics may be named then.
 //!
-//! What a recording lacks is said, not guessed: after its start and after each gap the speed estimate is unknown unless the
-//! column `velocity_rad_s` holds it, so the law runs without comparison until its low-pass has forgotten (`settling`).
+//! What a recording lacks is said, not guessed: after its start and after each gap the speed estimate is unknown. Where the
+//! column `velocity_rad_s` holds it, the law goes on from there and is compared as soon as it computes the recorded speed to
+//! the bit; where not, it runs without comparison until its low-pass has forgotten the start (`settling`).
 
 use er_servo::{
     Config, Counts, Faults, InputFlags, Inputs, Mode as LawMode, Outputs, Params, ResolverCode, ResolverSample, State,
@@ -18,7 +19,7 @@ use crate::read::{AxisKind, Mode, Recording};
 pub struct Replay {
     /// Rows of the recording.
     pub rows: usize,
-    /// Rows whose commands were compared; the others follow a start or a gap, or a drive that was not running.
+    /// Rows whose commands were compared; the others follow a start in motion or a gap, or a drive that was not running.
     pub compared: usize,
     /// The first difference; none when identical.
     pub difference: Option<Difference>,
@@ -75,14 +76,27 @@ pub fn replay(recording: &Recording, config: &Config) -> Result<Replay, Error> {
     let Some(reference) = &recording.reference else {
         return Err(about("replay needs the column reference_rad".to_owned()));
     };
+    if config.speed_from_converter && recording.velocity.is_none() {
+        return Err(about(
+            "the law took its speed from the converter; replay needs the column velocity_rad_s".to_owned(),
+        ));
+    }
     let settling = settling_rows(config);
     let run = |starts_at_rest| Replayer::new(recording, reference, params, settling, starts_at_rest).run();
     let from_rest = run(true);
-    match &from_rest.difference {
-        // Only the estimate at the start may be to blame for a difference this early.
-        Some(difference) if difference.row < settling => Ok(run(false)),
-        _ => Ok(from_rest),
+    // Only the estimate at the start may be to blame for a difference this early.
+    if from_rest.difference.as_ref().is_none_or(|difference| difference.row >= settling) {
+        return Ok(from_rest);
     }
+    let in_motion = run(false);
+    let blames_the_law = in_motion.difference.is_some() && shows_rest(recording);
+    Ok(if blames_the_law { from_rest } else { in_motion })
+}
+
+/// Whether the recording begins at rest by its own account, so that its first rows can be judged.
+fn shows_rest(recording: &Recording) -> bool {
+    let still = recording.position.get(1).is_none_or(|next| *next == recording.position[0]);
+    still && recording.velocity.as_ref().is_none_or(|velocity| velocity[0] == 0.0)
 }
 
 /// Rows after which an unknown start of the speed estimate no longer shows in the last bit of a command: 24 bits of the
@@ -131,11 +145,19 @@ impl<'a> Replayer<'a> {
         }
         let after_gap = row > 0 && self.recording.gaps.binary_search(&(row - 1)).is_ok();
         if after_gap || !self.running {
-            self.begin(row);
+            self.running = true;
+            if !(self.starts_at_rest && row == 0) {
+                self.resume(row);
+                return None;
+            }
+            self.state = State::running_at(self.counts(row));
         }
         let inputs = self.inputs(row);
         let outputs = step(&self.params, &mut self.state, &inputs);
         self.running = outputs.supervisor == Supervisor::Running;
+        if self.is_recorded_speed(row, outputs.speed_rad_s) {
+            self.unsettled = 0;
+        }
         if self.unsettled > 0 {
             self.unsettled -= 1;
             return None;
@@ -149,9 +171,16 @@ impl<'a> Replayer<'a> {
         self.recording.fault.as_ref().is_some_and(|fault| fault[row] != 0)
     }
 
-    fn begin(&mut self, row: usize) {
-        self.state = State::running_at(self.counts(row));
-        self.unsettled = if self.starts_at_rest && row == 0 { 0 } else { self.settling };
+    /// Takes the row as the last tick before those that can be computed: its way from the tick before is not known.
+    fn resume(&mut self, row: usize) {
+        let speed_rad_s = self.recording.velocity.as_ref().map_or(0.0, |velocity| velocity[row] as f32);
+        self.state = State::resumed_at(self.counts(row), speed_rad_s);
+        self.unsettled = self.settling;
+    }
+
+    /// Whether the recording confirms the law's speed, and so its whole memory.
+    fn is_recorded_speed(&self, row: usize, speed_rad_s: f32) -> bool {
+        self.recording.velocity.as_ref().is_some_and(|velocity| same(velocity[row] as f32, speed_rad_s))
     }
 
     fn counts(&self, row: usize) -> Counts {

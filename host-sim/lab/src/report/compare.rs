@@ -131,6 +131,10 @@ impl<'a> Comparison<'a> {
         let u = self.units;
         let mut maps: Vec<&Map> = self.maps.iter().collect();
         maps.sort_by(|a, b| b.explained.total_cmp(&a.explained));
+        let aside = self.residuals[0].windows.len() - self.residuals[0].usual().count();
+        if aside > 0 {
+            writeln!(f, "set aside from the shares: {aside} windows far beyond all others, see the worst windows")?;
+        }
         writeln!(f, "share of the residual {} that follows each channel, and where it is largest:", u.effort_name)?;
         if let Some(orders) = &self.orders {
             let names: Vec<String> =

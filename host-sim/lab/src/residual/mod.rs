@@ -7,6 +7,9 @@ mod commands;
 mod map;
 mod noise;
 mod orders;
+mod start_state;
+#[cfg(test)]
+mod testing;
 mod window;
 
 pub use commands::recorded_commands;

@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::window::Residual;
+use super::window::{Residual, Window};
 use crate::read::{AxisKind, Recording};
 
 /// Orders named at most.
@@ -35,7 +35,7 @@ impl Orders {
             return None;
         }
         let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
-        let windows = &residual.windows;
+        let windows: Vec<&Window> = residual.usual().collect();
         let angles: Vec<f64> = windows.iter().map(|w| mean(&recording.position[w.start..w.end])).collect();
         let low = angles.iter().copied().fold(f64::INFINITY, f64::min);
         let high = angles.iter().copied().fold(f64::NEG_INFINITY, f64::max);
@@ -92,5 +92,51 @@ impl Fit {
         let explained =
             if total > 0.0 { ((1.0 - self.left / total) - chance * self.left / total).max(0.0) } else { 0.0 };
         Orders { orders, explained }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::residual::testing::{recording, residual};
+
+    /// `revolutions` at constant speed in 600 windows.
+    fn turning(revolutions: f64) -> Recording {
+        let t_s: Vec<f64> = (0..6000).map(|row| f64::from(row) * 5e-4).collect();
+        let position = t_s.iter().map(|t| t / 3.0 * revolutions * std::f64::consts::TAU).collect();
+        recording(t_s, position)
+    }
+
+    fn middle(position: &[f64]) -> f64 {
+        position.iter().sum::<f64>() / position.len() as f64
+    }
+
+    #[test]
+    fn orders_and_amplitudes_are_found() {
+        let recording = turning(2.3);
+        let torque = |p: &[f64], _| 0.1 + 0.05 * (7.0 * middle(p) + 0.4).sin() + 0.02 * (31.0 * middle(p) + 2.0).cos();
+        let found = Orders::of(&residual(&recording, torque), &recording).unwrap();
+        assert_eq!((found.orders[0].per_rev, found.orders[1].per_rev), (7, 31));
+        assert!(
+            (found.orders[0].amplitude_nm - 0.05).abs() < 1e-3 && (found.orders[1].amplitude_nm - 0.02).abs() < 1e-3
+        );
+        assert!(found.explained > 0.99, "{}", found.explained);
+    }
+
+    #[test]
+    fn chance_has_no_orders_worth_the_name() {
+        let recording = turning(2.3);
+        let chance = |p: &[f64], _| (p[3] * 1e6).rem_euclid(1.0) - 0.5;
+        let found = Orders::of(&residual(&recording, chance), &recording).unwrap();
+        assert!(found.explained < 0.03, "{}", found.explained);
+    }
+
+    #[test]
+    fn without_a_revolution_or_on_a_linear_axis_there_are_none() {
+        let part = turning(0.8);
+        assert_eq!(Orders::of(&residual(&part, |p, _| p[0].sin()), &part), None);
+        let linear = Recording { axis: AxisKind::Linear, ..turning(3.0) };
+        assert_eq!(Orders::of(&residual(&linear, |p, _| p[0].sin()), &linear), None);
     }
 }

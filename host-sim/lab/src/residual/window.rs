@@ -1,16 +1,13 @@
 //! Short windows of the model against the recording.
 
-use nalgebra::{Matrix2, Vector2};
 use plant::{Command, Mechanics, Model, State, Timeline};
 use rayon::prelude::*;
 
 use super::commands::recorded_commands;
+use super::start_state::{StartState, curvature, line, speed_at};
 use crate::Error;
+use crate::progress::Progress;
 use crate::read::Recording;
-
-/// Gauss-Newton passes over the start state. It enters almost linearly, so that two reach the sensor's noise; the third is
-/// for windows that stick.
-const PASSES: usize = 3;
 
 /// What one window left.
 #[derive(Debug, Clone, PartialEq)]
@@ -48,6 +45,33 @@ impl Residual {
     }
 }
 
+/// A window is far out where its torque is beyond this many times the median,
+const FAR_OUT: f64 = 10.0;
+/// and such windows are no more than this share of all: more of them are what the machine does.
+const FEW: f64 = 0.05;
+
+impl Residual {
+    /// The torque, N m (N), beyond which windows are set aside from the shares that channels explain: a few windows far
+    /// beyond all others (a crash, a push, a rewind before the run) hold most of the squares and would hide the rest. They
+    /// stay in every other figure. Infinite where no window, or more than a few, are so far out.
+    pub fn set_aside_beyond(&self) -> f64 {
+        let mut sizes: Vec<f64> = self.windows.iter().map(|window| window.torque.abs()).collect();
+        if sizes.is_empty() {
+            return f64::INFINITY;
+        }
+        let middle = sizes.len() / 2;
+        let limit = FAR_OUT * *sizes.select_nth_unstable_by(middle, f64::total_cmp).1;
+        let beyond = sizes.iter().filter(|size| **size > limit).count();
+        if beyond as f64 > FEW * sizes.len() as f64 { f64::INFINITY } else { limit }
+    }
+
+    /// The windows that are not set aside.
+    pub fn usual(&self) -> impl Iterator<Item = &Window> {
+        let limit = self.set_aside_beyond();
+        self.windows.iter().filter(move |window| window.torque.abs() <= limit)
+    }
+}
+
 /// Runs `model` over `recording` in windows of `horizon_s`, each from its best start state.
 ///
 /// # Errors
@@ -69,7 +93,10 @@ pub fn residual(model: &Model, recording: &Recording, horizon_s: f64) -> Result<
         )));
     }
     let fit = Fit { mechanics: &mechanics, timeline: &timeline, recording, inertia: model.inertia };
-    let windows = spans.into_par_iter().map(|(start, end)| fit.window(start, end)).collect::<Result<_, _>>();
+    let what = format!("{}, windows of {:.0} ms", recording.name, 1e3 * horizon_s);
+    let progress = Progress::new(&what, spans.len() as u64);
+    let window = |(start, end)| fit.window(start, end).inspect(|_| progress.advance(1));
+    let windows = spans.into_par_iter().map(window).collect::<Result<_, _>>();
     Ok(Residual { horizon_s, windows: windows.map_err(unusable)? })
 }
 
@@ -79,12 +106,14 @@ fn spans(recording: &Recording, horizon_s: f64) -> Vec<(usize, usize)> {
     let mut spans = Vec::new();
     let mut start = 0;
     while start < t_s.len() {
-        let in_time = t_s[start..].partition_point(|t| *t < t_s[start] + horizon_s) + start;
+        // A row that only rounding puts before the end belongs to the next window.
+        let until_s = t_s[start] + horizon_s * (1.0 - 1e-9);
+        let in_time = t_s[start..].partition_point(|t| *t < until_s) + start;
         let gap = recording.gaps.partition_point(|gap| *gap < start);
         let to_gap = recording.gaps.get(gap).map_or(t_s.len(), |gap| gap + 1);
         let end = in_time.min(to_gap);
-        let covers = end < t_s.len() && t_s[end.min(t_s.len() - 1)] >= t_s[start] + horizon_s && end == in_time;
-        if covers && end - start >= 8 {
+        // The row at its end shows that the window is whole.
+        if in_time < to_gap && end - start >= 8 {
             spans.push((start, end));
         }
         start = end.max(start + 1);
@@ -101,91 +130,79 @@ struct Fit<'a> {
 
 impl Fit<'_> {
     fn window(&self, start: usize, end: usize) -> Result<Window, plant::Error> {
-        let (t_s, measured) = (&self.recording.t_s[start..end], &self.recording.position[start..end]);
-        let mut simulated = vec![0.0; t_s.len()];
-        let (first, slope) = line(t_s, measured);
-        // From the mean motion, and from rest: a model that sticks has no slope to follow from one to the other.
-        let mut best: Option<(f64, State)> = None;
-        for guess in [(first, slope), (measured.iter().sum::<f64>() / measured.len() as f64, 0.0)] {
-            let (cost, state) = self.descend(guess, t_s, measured, &mut simulated)?;
-            if best.is_none_or(|(least, _)| cost < least) {
-                best = Some((cost, state));
-            }
-        }
-        let state = best.map_or_else(State::default, |(_, state)| state);
-        self.mechanics.simulate(self.timeline, t_s[0], state, t_s, &mut simulated)?;
+        let (t_s, position) = (&self.recording.t_s, &self.recording.position);
+        // The rows before the window tell its first speed too, back to the last gap.
+        let gap = self.recording.gaps.partition_point(|gap| *gap < start);
+        let after_gap = gap.checked_sub(1).map_or(0, |gap| self.recording.gaps[gap] + 1);
+        let speed_guess = speed_at(t_s, position, start, after_gap, end);
+        let (t_s, measured) = (&t_s[start..end], &position[start..end]);
+        let window = StartState { mechanics: self.mechanics, timeline: self.timeline, t_s, measured };
+        let (state, simulated) = window.estimate(speed_guess)?;
         let residual: Vec<f64> = measured.iter().zip(&simulated).map(|(m, s)| m - s).collect();
         let torque = self.inertia * curvature(t_s, &residual);
-        Ok(Window { start, end, state, residual, torque, speed: slope })
-    }
-
-    /// Damped Gauss-Newton over start position and speed; returns the least sum of squares and its state.
-    fn descend(
-        &self,
-        guess: (f64, f64),
-        t_s: &[f64],
-        measured: &[f64],
-        simulated: &mut [f64],
-    ) -> Result<(f64, State), plant::Error> {
-        let span_s = t_s[t_s.len() - 1] - t_s[0];
-        let mut at = Vector2::new(guess.0, guess.1);
-        let mut cost = self.cost(at, t_s, measured, simulated)?;
-        let mut faster = vec![0.0; t_s.len()];
-        for _ in 0..PASSES {
-            // A speed step that moves the end by about a thousandth of a typical window's travel.
-            let step = 1e-3 * at[1].abs().max(1e-6 / span_s);
-            self.run(Vector2::new(at[0], at[1] + step), t_s, &mut faster)?;
-            let (mut normal, mut right) = (Matrix2::zeros(), Vector2::zeros());
-            for ((m, s), f) in measured.iter().zip(simulated.iter()).zip(&faster) {
-                let row = Vector2::new(1.0, (f - s) / step);
-                normal += row * row.transpose();
-                right += row * (m - s);
-            }
-            let Some(inverse) = (normal + Matrix2::from_diagonal(&(normal.diagonal() * 1e-9))).try_inverse() else {
-                break;
-            };
-            let next = at + inverse * right;
-            let next_cost = self.cost(next, t_s, measured, simulated)?;
-            if next_cost.is_nan() || next_cost >= cost {
-                break;
-            }
-            (at, cost) = (next, next_cost);
-        }
-        Ok((cost, State::new(at[0], at[1])))
-    }
-
-    fn run(&self, at: Vector2<f64>, t_s: &[f64], positions: &mut [f64]) -> Result<(), plant::Error> {
-        self.mechanics.simulate(self.timeline, t_s[0], State::new(at[0], at[1]), t_s, positions).map(|_| ())
-    }
-
-    fn cost(&self, at: Vector2<f64>, t_s: &[f64], measured: &[f64], out: &mut [f64]) -> Result<f64, plant::Error> {
-        self.run(at, t_s, out)?;
-        Ok(measured.iter().zip(out.iter()).map(|(m, s)| (m - s) * (m - s)).sum())
+        Ok(Window { start, end, state, residual, torque, speed: line(t_s, measured).1 })
     }
 }
 
-/// Value at the first time and slope of the least-squares line.
-fn line(t_s: &[f64], values: &[f64]) -> (f64, f64) {
-    let count = values.len() as f64;
-    let (mean_t, mean) = (t_s.iter().sum::<f64>() / count, values.iter().sum::<f64>() / count);
-    let (mut products, mut squares) = (0.0, 0.0);
-    for (t, value) in t_s.iter().zip(values) {
-        products += (t - mean_t) * (value - mean);
-        squares += (t - mean_t) * (t - mean_t);
-    }
-    let slope = if squares > 0.0 { products / squares } else { 0.0 };
-    (mean + slope * (t_s[0] - mean_t), slope)
-}
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::residual::testing::{self, recording};
 
-/// Second derivative of the least-squares parabola: the projection on the part of t^2/2 that a line cannot follow.
-fn curvature(t_s: &[f64], values: &[f64]) -> f64 {
-    let half_squares: Vec<f64> = t_s.iter().map(|t| 0.5 * (t - t_s[0]) * (t - t_s[0])).collect();
-    let (first, slope) = line(t_s, &half_squares);
-    let (mut products, mut squares) = (0.0, 0.0);
-    for ((t, value), half) in t_s.iter().zip(values).zip(&half_squares) {
-        let bend = half - first - slope * (t - t_s[0]);
-        products += bend * value;
-        squares += bend * bend;
+    fn regular(rows: u32) -> Recording {
+        let t_s: Vec<f64> = (0..rows).map(|row| f64::from(row) / 1000.0).collect();
+        recording(t_s.clone(), t_s)
     }
-    if squares > 0.0 { products / squares } else { 0.0 }
+
+    #[test]
+    fn windows_are_back_to_back_and_whole() {
+        let spans = spans(&regular(101), 0.02);
+        assert_eq!(spans, [(0, 20), (20, 40), (40, 60), (60, 80), (80, 100)]);
+        // The last window needs the row at its end, or it would be shorter than the others.
+        assert_eq!(super::spans(&regular(100), 0.02).len(), 4);
+        assert_eq!(super::spans(&regular(5), 0.02), []);
+        assert_eq!(super::spans(&regular(100), 0.005), [], "fewer than eight rows tell nothing");
+    }
+
+    #[test]
+    fn no_window_crosses_a_gap_and_they_begin_anew_behind_it() {
+        let mut torn = regular(101);
+        torn.t_s.iter_mut().skip(50).for_each(|t_s| *t_s += 0.007);
+        torn.gaps = vec![49];
+        let spans = spans(&torn, 0.02);
+        assert_eq!(spans, [(0, 20), (20, 40), (50, 70), (70, 90)]);
+        torn.gaps = vec![39, 49];
+        assert_eq!(super::spans(&torn, 0.02), [(0, 20), (50, 70), (70, 90)], "nor one that ends right before it");
+    }
+
+    #[test]
+    fn a_missing_torque_is_found_in_sign_and_size() {
+        let model = Model::new(0.075);
+        let t_s: Vec<f64> = (0..400).map(|row| f64::from(row) * 5e-4).collect();
+        // 0.3 N m act that no command knows of.
+        let position = t_s.iter().map(|t| 0.2 * t + 0.5 * 0.3 / 0.075 * t * t).collect();
+        let residual = residual(&model, &recording(t_s, position), 0.05).unwrap();
+        assert_eq!(residual.windows.len(), 3);
+        assert!(residual.windows.iter().all(|window| (window.torque - 0.3).abs() < 1e-6), "{residual:?}");
+        assert!(residual.rms() > 1e-5);
+    }
+
+    #[test]
+    fn too_short_a_recording_says_so() {
+        let error = residual(&Model::new(1.0), &regular(30), 0.05).unwrap_err();
+        assert_eq!(error.to_string(), "hand.csv: 0.029 s without a window of 0.05 s between gaps; record longer");
+    }
+
+    #[test]
+    fn a_few_windows_far_out_are_set_aside_and_many_are_not() {
+        let recording = regular(1000);
+        let with = |count: usize| {
+            testing::residual(&recording, move |p, _| if p[0] < 0.01 * count as f64 - 1e-9 { 50.0 } else { 1.0 })
+        };
+        assert_eq!(with(3).usual().count(), 97);
+        assert_eq!(with(20).usual().count(), 100);
+        assert_eq!(with(0).usual().count(), 100);
+        assert_eq!(Residual { horizon_s: 0.05, windows: Vec::new() }.rms(), 0.0);
+    }
 }

@@ -4,12 +4,17 @@ use er_servo::{
     Config, Counts, InputFlags, Inputs, Mode as LawMode, MonitorCode, Outputs, Params, ResolverCode, ResolverSample,
     State, step,
 };
+use plant::effects::Pulse;
 use plant::sensor::{Sampler, SamplerConfig, TorqueNoise};
-use plant::{Command, Model, Plant};
+use plant::{Command, FluidResponse, Model, Plant};
 
 use crate::Error;
+use crate::progress::Progress;
 use crate::read::{AxisKind, Recording};
 use crate::replay::mode_of;
+
+/// Ticks between two looks at the progress: a few milliseconds of work.
+const PROGRESS_TICKS: usize = 10_000;
 
 /// An external torque for a while.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -20,6 +25,13 @@ pub struct Disturbance {
     pub duration_s: f64,
     /// N m.
     pub torque_nm: f64,
+}
+
+impl Disturbance {
+    /// The plant's own, which need not begin or end with a tick.
+    fn pulse(&self) -> Pulse {
+        Pulse { start_s: self.start_s, duration_s: self.duration_s, amplitude: self.torque_nm }
+    }
 }
 
 /// What a simulation is made of.
@@ -45,9 +57,10 @@ pub struct ClosedLoop {
     plant: Plant,
     params: Params,
     state: State,
-    period_s: f64,
-    disturbances: Vec<Disturbance>,
+    ticks_per_s: f64,
     sampler: Sampler,
+    /// Whether the fluid's delay is one of the viscosity; the others do not look at it, and it takes an exponential.
+    viscosity_acts: bool,
     /// None is no noise, and draws nothing.
     torque_noise: Option<TorqueNoise>,
     /// Held by the high-voltage amplifier since the last tick.
@@ -68,6 +81,12 @@ pub struct Row {
     pub outputs: Outputs,
 }
 
+/// The control period in double precision, s: the decimal number that the configuration rounds to single precision.
+pub fn period_s(config: &Config) -> f64 {
+    let single = config.period_s;
+    single.to_string().parse().unwrap_or(f64::from(single))
+}
+
 impl ClosedLoop {
     /// Running, at rest at 0.
     ///
@@ -76,12 +95,14 @@ impl ClosedLoop {
     pub fn new(setup: &Setup) -> Result<Self, Error> {
         let params = Params::new(&setup.config).map_err(|error| Error::Usage(format!("[controller] {error}")))?;
         let unusable = |error: plant::Error| Error::Usage(format!("the plant cannot be simulated: {error}"));
+        let mut model = setup.model.clone();
+        model.pulses.extend(setup.disturbances.iter().map(Disturbance::pulse));
         Ok(Self {
-            plant: Plant::new(&setup.model, plant::State::default(), 0.0).map_err(unusable)?,
+            plant: Plant::new(&model, plant::State::default(), 0.0).map_err(unusable)?,
             params,
             state: State::running_at(Counts(0)),
-            period_s: f64::from(setup.config.period_s),
-            disturbances: setup.disturbances.clone(),
+            ticks_per_s: period_s(&setup.config).recip(),
+            viscosity_acts: model.er.as_ref().is_some_and(|er| !matches!(er.response, FluidResponse::Field(_))),
             // The counts are the resolution.
             sampler: Sampler::new(
                 SamplerConfig { noise_sd: setup.sensor_noise_rad, ..SamplerConfig::default() },
@@ -103,9 +124,9 @@ impl ClosedLoop {
     /// # Errors
     /// A simulated quantity that left the finite numbers.
     pub fn tick(&mut self, reference: Counts) -> Result<Row, Error> {
-        let t_s = f64::from(self.tick) * self.period_s;
+        let t_s = f64::from(self.tick) / self.ticks_per_s;
         let truth = *self.plant.state();
-        let measured = Counts::from_rad(self.sampler.measure(truth.position));
+        let measured = Counts::from_rad(self.sampler.measure(self.plant.position_at_sensor()));
         let inputs = Inputs {
             resolver: ResolverSample {
                 code: ResolverCode((measured.0 & 0x0fff) as u16),
@@ -123,22 +144,15 @@ impl ClosedLoop {
             field_kv_mm: f64::from(outputs.field_kv_mm),
             braking: outputs.mode == LawMode::Brake,
             speed_estimate: f64::from(outputs.speed_rad_s),
-            viscosity: viscosity_nm_s_rad(&outputs),
-            external_torque: self.external_torque_nm(t_s),
+            viscosity: if self.viscosity_acts { viscosity_nm_s_rad(&outputs) } else { None },
+            external_torque: self.torque_noise.as_mut().map_or(0.0, TorqueNoise::draw),
         };
         self.field_kv_mm = outputs.field_kv_mm;
         self.tick += 1;
         self.plant
-            .advance(&command, f64::from(self.tick) * self.period_s)
+            .advance(&command, f64::from(self.tick) / self.ticks_per_s)
             .map_err(|error| Error::Usage(format!("the simulation stopped at {t_s} s: {error}")))?;
         Ok(Row { t_s, reference, truth, outputs })
-    }
-
-    fn external_torque_nm(&mut self, t_s: f64) -> f64 {
-        let pushes = self.disturbances.iter();
-        let pushes = pushes.filter(|push| t_s >= push.start_s && t_s < push.start_s + push.duration_s);
-        let pushes: f64 = pushes.map(|push| push.torque_nm).sum();
-        pushes + self.torque_noise.as_mut().map_or(0.0, TorqueNoise::draw)
     }
 }
 
@@ -157,7 +171,16 @@ fn viscosity_nm_s_rad(outputs: &Outputs) -> Option<f64> {
 /// See [`ClosedLoop`].
 pub fn run(setup: &Setup, reference: impl IntoIterator<Item = Counts>) -> Result<Vec<Row>, Error> {
     let mut closed_loop = ClosedLoop::new(setup)?;
-    reference.into_iter().map(|counts| closed_loop.tick(counts)).collect()
+    let reference: Vec<Counts> = reference.into_iter().collect();
+    let progress = Progress::new("simulating, ticks", reference.len() as u64);
+    let mut rows = Vec::with_capacity(reference.len());
+    for chunk in reference.chunks(PROGRESS_TICKS) {
+        for counts in chunk {
+            rows.push(closed_loop.tick(*counts)?);
+        }
+        progress.advance(chunk.len() as u64);
+    }
+    Ok(rows)
 }
 
 /// The rows as a recording: what the drive itself would have logged, not the truth.

@@ -141,3 +141,86 @@ fn speed_dips(response: &[Row], direction: f64) -> usize {
     }
     dips
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use er_servo::{Config, Counts, Inputs, Params, State, step};
+
+    use super::*;
+
+    const PERIOD_S: f64 = 0.001;
+
+    /// Rows with a reference, rad, and a true position and speed each.
+    fn rows(values: impl IntoIterator<Item = (f64, f64, f64)>) -> Vec<Row> {
+        let params = Params::new(&Config::default()).unwrap();
+        let outputs = step(&params, &mut State::default(), &Inputs::default());
+        let row = |(k, (reference, position, velocity))| Row {
+            t_s: PERIOD_S * f64::from(k),
+            reference: Counts::from_rad(reference),
+            truth: plant::State::new(position, velocity),
+            outputs,
+        };
+        (0..).zip(values).map(row).collect()
+    }
+
+    fn step_to_one(positions: &[f64]) -> Option<StepFigures> {
+        Summary::of(&rows(positions.iter().map(|position| (1.0, *position, 0.0))), PERIOD_S).step
+    }
+
+    fn dips(speeds: &[f64], direction: f64) -> usize {
+        speed_dips(&rows(speeds.iter().map(|speed| (1.0, 0.0, direction * speed))), direction)
+    }
+
+    #[test]
+    fn overshoot_settling_and_residual_of_a_step() {
+        let mut positions = vec![0.0, 0.5, 1.1, 0.97, 1.01];
+        positions.resize(30, 0.99);
+        let step = step_to_one(&positions).unwrap();
+        let one = Counts::from_rad(1.0).to_rad();
+        assert!((step.overshoot - (1.1 - one) / one).abs() < 1e-12);
+        // 0.97 in row 3 is the last outside of 2 %.
+        assert_eq!(step.settling_s, Some(4.0 * PERIOD_S));
+        assert!((step.residual_rad - (one - 0.99)).abs() < 1e-12);
+        positions[29] = 0.9;
+        assert_eq!(step_to_one(&positions).unwrap().settling_s, None, "ends outside");
+    }
+
+    #[test]
+    fn downwards_is_the_same() {
+        let mut values: Vec<(f64, f64, f64)> = vec![(0.0, 1.0, 0.0), (0.0, 0.5, -1.0), (0.0, -0.2, -1.0)];
+        values.resize(30, (0.0, 0.005, 0.0));
+        let step = Summary::of(&rows(values), PERIOD_S).step.unwrap();
+        assert!((step.overshoot - 0.2).abs() < 1e-12 && (step.height_rad + 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn only_the_last_step_counts_and_only_if_it_is_held() {
+        let steps = (0..60).map(|k| if k < 30 { (2.0, f64::from(k).min(2.0), 0.0) } else { (1.0, 1.5, 0.0) });
+        let step = Summary::of(&rows(steps), PERIOD_S).step.unwrap();
+        assert!((step.height_rad + 0.5).abs() < 1e-5, "from where it stood to the last level: {}", step.height_rad);
+        assert_eq!(step_to_one(&[0.0; 10]), None, "held for less than 20 ms");
+        let ramp = (0..60).map(|k| (0.01 * f64::from(k), 0.0, 0.0));
+        assert_eq!(Summary::of(&rows(ramp), PERIOD_S).step, None, "a reference that moves to the end has no step");
+        assert_eq!(Summary::of(&[], PERIOD_S).step, None);
+    }
+
+    #[test]
+    fn dips_are_falls_and_rises_beyond_the_ripple() {
+        for direction in [1.0, -1.0] {
+            assert_eq!(dips(&[0.0, 1.0, 2.0, 1.0, 0.0], direction), 0, "one hump");
+            assert_eq!(dips(&[0.0, 0.5, 0.3, 2.0, 1.0, 0.0], direction), 0, "before the peak");
+            assert_eq!(dips(&[2.0, 1.0, 1.5, 0.2, 0.4, 0.0], direction), 2);
+            assert_eq!(dips(&[2.0, 1.0, 1.019, 0.5, 0.0], direction), 0, "less than the ripple");
+            assert_eq!(dips(&[2.0, 1.0, 1.01, 1.02, 1.03, 0.0], direction), 1, "a slow rise is one");
+        }
+    }
+
+    #[test]
+    fn errors_peaks_and_times_of_the_modes() {
+        let summary = Summary::of(&rows([(1.0, 1.0, 0.0), (1.0, 0.0, 0.0), (1.0, 2.0, 0.0)]), PERIOD_S);
+        assert!((summary.rms_error_rad - (2.0_f64 / 3.0).sqrt()).abs() < 1e-5);
+        assert!((summary.peak_error_rad - 1.0).abs() < 1e-5);
+        assert_eq!(summary.mode_s, [3.0 * PERIOD_S, 0.0, 0.0]);
+    }
+}

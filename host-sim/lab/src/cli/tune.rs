@@ -1,0 +1,112 @@
+//! `servo-lab tune`: gains that keep margins over the uncertainty of every delay, and settle fast.
+
+use std::path::PathBuf;
+
+use super::machine::MachineArgs;
+use crate::read::Machine;
+use crate::stability::NormalisedGains;
+use crate::tune::{Demands, Steps, Task, figure, machine, summary, tune};
+use crate::{Error, output};
+
+/// Flags of `tune`.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    #[command(flatten)]
+    machine: MachineArgs,
+    /// Phase margin to keep, degrees.
+    #[arg(long, default_value_t = 30.0)]
+    phase_margin_deg: f64,
+    /// Gain margin to keep, a factor above 1.
+    #[arg(long, default_value_t = 1.5)]
+    gain_margin: f64,
+    /// Delay margin to keep, as a share of L.
+    #[arg(long, default_value_t = 0.2)]
+    delay_margin: f64,
+    /// How far each delay may be off, percent.
+    #[arg(long, default_value_t = 50.0)]
+    uncertainty_percent: f64,
+    /// Largest viscosity the margins are kept for, N m s/rad [default: the peak of (5), or as near as gains do]
+    #[arg(long, value_name = "Q1")]
+    q1: Option<f64>,
+    /// Large step, degrees.
+    #[arg(long, default_value_t = 30.0)]
+    step_deg: f64,
+    /// Small step, mrad.
+    #[arg(long, default_value_t = 50.0)]
+    small_mrad: f64,
+    /// Settled within this, or 2 % of the step where that is more, mrad [default: 2 % of the large step, or twice what
+    /// friction holds against the paper's gains]
+    #[arg(long)]
+    tolerance_mrad: Option<f64>,
+    /// Largest overshoot, percent of the step.
+    #[arg(long, default_value_t = 2.0)]
+    overshoot_percent: f64,
+    /// Folder for the picture and the machine file; made if it is not there.
+    #[arg(long, value_name = "DIR", default_value = "out/tune")]
+    out: PathBuf,
+}
+
+/// Tunes, writes picture and machine file, prints what was found.
+///
+/// # Errors
+/// Flags or a machine that cannot be followed, demands that no gains keep, outputs that cannot be written.
+pub fn run(args: &Args) -> Result<(), Error> {
+    let task = args.task()?;
+    output::folder(&args.out)?;
+    let tuning = tune(&task)?;
+    let read = args.machine.machine.as_deref().map(Machine::read).transpose()?;
+    let (picture, file) = (args.out.join("tune.svg"), args.out.join("tuned.toml"));
+    figure(&tuning).write(&picture)?;
+    machine(&task, &tuning, read).write(&file)?;
+    output::print(&format!("{}\nwrote {} and {}\n", summary(&task, &tuning), picture.display(), file.display()))
+}
+
+impl Args {
+    /// Refuses a flag outside its range.
+    fn check(&self) -> Result<(), Error> {
+        let checks = [
+            ("--phase-margin-deg", self.phase_margin_deg, 1.0, 90.0),
+            ("--gain-margin", self.gain_margin, 1.01, 10.0),
+            ("--delay-margin", self.delay_margin, 0.01, 100.0),
+            ("--uncertainty-percent", self.uncertainty_percent, 0.0, 90.0),
+            ("--q1", self.q1.unwrap_or(0.0), 0.0, 1000.0),
+            ("--step-deg", self.step_deg, 0.1, 360.0),
+            ("--small-mrad", self.small_mrad, 1.0, 6000.0),
+            ("--tolerance-mrad", self.tolerance_mrad.unwrap_or(1.0), 0.05, 1000.0),
+            ("--overshoot-percent", self.overshoot_percent, 0.0, 100.0),
+        ];
+        for (flag, value, least, most) in checks {
+            // Negated so that NaN is refused.
+            if !(value >= least && value <= most) {
+                return Err(Error::Usage(format!("{flag}: {value} is not allowed, {least} to {most} is")));
+            }
+        }
+        Ok(())
+    }
+
+    fn task(&self) -> Result<Task, Error> {
+        self.check()?;
+        let (model, config) = self.machine.build()?;
+        let large_rad = self.step_deg.to_radians();
+        let paper = NormalisedGains::PAPER.physical(model.inertia, model.torque_delay_s.max(1e-3));
+        let held_rad = model.coulomb / paper.k_p_nm_rad;
+        let tolerance_rad = self.tolerance_mrad.map_or((0.02 * large_rad).max(2.0 * held_rad), |mrad| 1e-3 * mrad);
+        Ok(Task {
+            model,
+            config,
+            demands: Demands {
+                phase_deg: self.phase_margin_deg,
+                gain: self.gain_margin,
+                delay_share: self.delay_margin,
+            },
+            uncertainty: 0.01 * self.uncertainty_percent,
+            q1_nm_s_rad: self.q1,
+            steps: Steps {
+                large_rad,
+                small_rad: 1e-3 * self.small_mrad,
+                tolerance_rad,
+                overshoot: 0.01 * self.overshoot_percent,
+            },
+        })
+    }
+}

@@ -1,0 +1,62 @@
+//! The image's log as recordings: the frames of one run, as the drive wrote them.
+
+use er_servo::{Frame, Supervisor};
+use wire::log::{Image, Recording as Run, recordings};
+
+use crate::read::{AxisKind, Recording};
+use crate::replay::mode_of;
+
+/// Bit of the column `fault` for a tick in which the drive was not running (boot or ready); below it are the latched
+/// faults, [`er_servo::Faults`].
+pub const NOT_RUNNING: u32 = 1 << 16;
+
+/// The runs of a log.
+///
+/// # Errors
+///
+/// A file that is no image, a log of another image, a log without a recording; the message says what to do.
+pub fn runs(elf: &[u8], log: &[u8]) -> Result<Vec<Run>, String> {
+    let image = Image::parse(elf).map_err(|error| error.to_string())?;
+    let entries = image.decode(log).map_err(|error| error.to_string())?;
+    let runs = recordings(&entries);
+    if runs.is_empty() {
+        let messages = entries.len();
+        return Err(format!("no start of a recording among its {messages} messages: start one over the link"));
+    }
+    Ok(runs)
+}
+
+/// A run as a recording. Ticks that were lost are missing rows, with a gap in `seq`.
+pub fn recording(name: &str, run: &Run) -> Recording {
+    let period_s = f64::from(run.begin.config.period_s);
+    let frames = &run.frames;
+    let column = |value: &dyn Fn(&Frame) -> f64| frames.iter().map(value).collect::<Vec<f64>>();
+    let gaps = frames.windows(2).enumerate().filter(|(_, pair)| pair[1].seq.wrapping_sub(pair[0].seq) != 1);
+    Recording {
+        name: name.to_owned(),
+        axis: AxisKind::Rotary,
+        t_s: column(&|frame| f64::from(frame.seq.wrapping_sub(run.begin.tick)) * period_s),
+        position: column(&|frame| frame.outputs.position.to_rad()),
+        effort_cmd: column(&|frame| f64::from(frame.outputs.torque_nm)),
+        reference: Some(column(&|frame| frame.inputs.reference.to_rad())),
+        field_cmd_kv_mm: Some(column(&|frame| f64::from(frame.outputs.field_kv_mm))),
+        mode: Some(frames.iter().map(|frame| mode_of(frame.outputs.mode)).collect()),
+        velocity: Some(column(&|frame| f64::from(frame.outputs.speed_rad_s))),
+        effort_meas: None,
+        field_meas_kv_mm: Some(column(&|frame| f64::from(frame.inputs.field_monitor.to_kv_mm()))),
+        temperature_c: None,
+        seq: Some(frames.iter().map(|frame| frame.seq.into()).collect()),
+        fault: Some(frames.iter().map(fault).collect()),
+        counts: Some(frames.iter().map(|frame| frame.outputs.position.0.into()).collect()),
+        gaps: gaps.map(|(row, _)| row).collect(),
+        extra: Vec::new(),
+    }
+}
+
+fn fault(frame: &Frame) -> u32 {
+    let latched = u32::from(frame.outputs.supervisor.faults().bits());
+    match frame.outputs.supervisor {
+        Supervisor::Running => latched,
+        _ => latched | NOT_RUNNING,
+    }
+}

@@ -1,0 +1,174 @@
+//! The state a window starts from, estimated from the window itself.
+
+use nalgebra::{Matrix2, Vector2};
+use plant::{Error, Mechanics, State, Timeline};
+
+/// Trials of a descent. A window whose start is well known takes three; one that comes to rest soon after its start, where
+/// the way changes with the square of the speed, up to ten.
+const TRIALS: usize = 16;
+/// A pass that gains less of the sum of squares than this is the last.
+const SETTLED: f64 = 1e-6;
+/// Rows on either side of the start from which the first guess of its speed is taken.
+const NEIGHBOURS: usize = 6;
+
+/// The recorded positions of one window and the model that is to follow them.
+pub(super) struct StartState<'a> {
+    pub mechanics: &'a Mechanics,
+    pub timeline: &'a Timeline,
+    /// s.
+    pub t_s: &'a [f64],
+    /// Recorded positions, rad (m).
+    pub measured: &'a [f64],
+}
+
+impl StartState<'_> {
+    /// The best state at the first row, and the positions the model has from it, rad (m).
+    ///
+    /// `speed_guess` comes from around the start. From there, from the mean motion and from rest: a model that sticks has no
+    /// slope to follow from one to the other.
+    pub(super) fn estimate(&self, speed_guess: f64) -> Result<(State, Vec<f64>), Error> {
+        let (first, slope) = line(self.t_s, self.measured);
+        let mean = self.measured.iter().sum::<f64>() / self.measured.len() as f64;
+        let mut best: Option<Descent> = None;
+        for guess in [(self.measured[0], speed_guess), (first, slope), (mean, 0.0)] {
+            let descent = self.descend(Vector2::new(guess.0, guess.1))?;
+            if best.as_ref().is_none_or(|least| descent.cost < least.cost) {
+                best = Some(descent);
+            }
+        }
+        let best = best.map_or_else(|| self.at(Vector2::new(first, slope)), Ok)?;
+        Ok((State::new(best.at[0], best.at[1]), best.simulated))
+    }
+
+    /// Levenberg-Marquardt over start position and speed.
+    fn descend(&self, guess: Vector2<f64>) -> Result<Descent, Error> {
+        let rows = self.t_s.len() as f64;
+        let span_s = self.t_s[self.t_s.len() - 1] - self.t_s[0];
+        let travel = self.measured.iter().fold(0.0_f64, |most, p| most.max((p - self.measured[0]).abs()));
+        let mut best = self.at(guess)?;
+        let mut damping = 1e-9;
+        for _ in 0..TRIALS {
+            // A thousandth of the speed, or of the travel where the speed is low.
+            let step = 1e-3 * best.at[1].abs().max(travel.max(1e-6) / span_s);
+            let faster = self.at(Vector2::new(best.at[0], best.at[1] + step))?;
+            let (mut normal, mut right) = (Matrix2::zeros(), Vector2::zeros());
+            for ((m, s), f) in self.measured.iter().zip(&best.simulated).zip(&faster.simulated) {
+                let row = Vector2::new(1.0, (f - s) / step);
+                normal += row * row.transpose();
+                right += row * (m - s);
+            }
+            // Where the speed makes no difference, as the model sticks at once, it stays.
+            let floor = rows * (1e-6 * span_s).powi(2);
+            let damped = normal + Matrix2::from_diagonal(&(normal.diagonal() * damping + Vector2::new(0.0, floor)));
+            let Some(inverse) = damped.try_inverse() else { break };
+            let tried = self.at(best.at + inverse * right)?;
+            if tried.cost < best.cost {
+                let gain = 1.0 - tried.cost / best.cost;
+                best = tried;
+                damping *= 0.1;
+                if gain < SETTLED {
+                    break;
+                }
+            } else if damping < 1e3 {
+                damping = (100.0 * damping).max(1e-3);
+            } else {
+                break;
+            }
+        }
+        Ok(best)
+    }
+
+    fn at(&self, at: Vector2<f64>) -> Result<Descent, Error> {
+        let mut simulated = vec![0.0; self.t_s.len()];
+        let start_s = self.t_s[0];
+        self.mechanics.simulate(self.timeline, start_s, State::new(at[0], at[1]), self.t_s, &mut simulated)?;
+        let cost = self.measured.iter().zip(&simulated).map(|(m, s)| (m - s) * (m - s)).sum();
+        Ok(Descent { at, cost, simulated })
+    }
+}
+
+/// One point of a descent.
+struct Descent {
+    at: Vector2<f64>,
+    /// Sum of squares.
+    cost: f64,
+    simulated: Vec<f64>,
+}
+
+/// Speed at `row`, rad/s (m/s): the slope there of the least-squares parabola through the rows around it, within `from..to`.
+pub(super) fn speed_at(t_s: &[f64], position: &[f64], row: usize, from: usize, to: usize) -> f64 {
+    let rows = row.saturating_sub(NEIGHBOURS).max(from)..(row + NEIGHBOURS + 1).min(to);
+    let (t_s, position, at_s) = (&t_s[rows.clone()], &position[rows], t_s[row]);
+    let bend = curvature(t_s, position);
+    // What the parabola's bend leaves is a line, whose slope is that of the parabola at `at_s`.
+    let straight: Vec<f64> = t_s.iter().zip(position).map(|(t, p)| p - 0.5 * bend * (t - at_s) * (t - at_s)).collect();
+    line(t_s, &straight).1
+}
+
+/// Value at the first time and slope of the least-squares line.
+pub(super) fn line(t_s: &[f64], values: &[f64]) -> (f64, f64) {
+    let count = values.len() as f64;
+    let (mean_t, mean) = (t_s.iter().sum::<f64>() / count, values.iter().sum::<f64>() / count);
+    let (mut products, mut squares) = (0.0, 0.0);
+    for (t, value) in t_s.iter().zip(values) {
+        products += (t - mean_t) * (value - mean);
+        squares += (t - mean_t) * (t - mean_t);
+    }
+    let slope = if squares > 0.0 { products / squares } else { 0.0 };
+    (mean + slope * (t_s[0] - mean_t), slope)
+}
+
+/// Second derivative of the least-squares parabola: the projection on the part of t^2/2 that a line cannot follow.
+pub(super) fn curvature(t_s: &[f64], values: &[f64]) -> f64 {
+    let half_squares: Vec<f64> = t_s.iter().map(|t| 0.5 * (t - t_s[0]) * (t - t_s[0])).collect();
+    let (first, slope) = line(t_s, &half_squares);
+    let (mut products, mut squares) = (0.0, 0.0);
+    for ((t, value), half) in t_s.iter().zip(values).zip(&half_squares) {
+        let bend = half - first - slope * (t - t_s[0]);
+        products += bend * value;
+        squares += bend * bend;
+    }
+    if squares > 0.0 { products / squares } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use plant::{Command, Model};
+
+    use super::*;
+
+    #[test]
+    fn lines_parabolas_and_speeds_are_exact_on_themselves() {
+        let t_s: Vec<f64> = [0.0, 0.1, 0.15, 0.3, 0.32, 0.5].map(|t| t + 7.0).to_vec();
+        let parabola: Vec<f64> = t_s.iter().map(|t| 2.0 - 3.0 * (t - 7.0) + 4.0 * (t - 7.0).powi(2)).collect();
+        assert!((curvature(&t_s, &parabola) - 8.0).abs() < 1e-9);
+        assert!((speed_at(&t_s, &parabola, 3, 0, 6) - (-3.0 + 8.0 * 0.3)).abs() < 1e-9);
+        let straight: Vec<f64> = t_s.iter().map(|t| 2.0 - 3.0 * (t - 7.0)).collect();
+        let (first, slope) = line(&t_s, &straight);
+        assert!((first - 2.0).abs() < 1e-12 && (slope + 3.0).abs() < 1e-12);
+        assert_eq!(line(&[1.0], &[5.0]), (5.0, 0.0));
+    }
+
+    /// A rotor with dry friction that slides, sticks, is pushed off again, and every mixture of them.
+    #[test]
+    fn the_start_is_found_through_stick_and_slip() {
+        let model = Model { coulomb: 0.5, ..Model::new(0.075) };
+        let t_s: Vec<f64> = (0..100).map(|row| f64::from(row) * 5e-4).collect();
+        let mechanics = Mechanics::new(&model).unwrap();
+        for (torque, speed) in
+            [(0.0, 0.03), (0.0, 0.3), (0.0, -2.0), (0.4, 0.1), (1.5, 0.0), (1.5, -0.2), (-0.7, 0.05), (0.0, 0.0)]
+        {
+            // Pushed for the second half of the window only.
+            let command = |t: f64| Command::new(if t < 0.025 { 0.0 } else { torque }, 0.0);
+            let commands: Vec<Command> = t_s.iter().map(|t| command(*t)).collect();
+            let timeline = Timeline::new(&model, &t_s, &commands, &Command::default()).unwrap();
+            let mut measured = vec![0.0; t_s.len()];
+            mechanics.simulate(&timeline, 0.0, State::new(1.0, speed), &t_s, &mut measured).unwrap();
+            let window = StartState { mechanics: &mechanics, timeline: &timeline, t_s: &t_s, measured: &measured };
+            let (state, simulated) = window.estimate(speed_at(&t_s, &measured, 0, 0, 100)).unwrap();
+            let worst = measured.iter().zip(&simulated).map(|(m, s)| (m - s).abs()).fold(0.0, f64::max);
+            assert!(worst < 1e-8, "torque {torque}, speed {speed}: {worst:e} rad from {state:?}");
+        }
+    }
+}

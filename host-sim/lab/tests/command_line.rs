@@ -1,0 +1,213 @@
+//! The commands as a user runs them: what they print, what they write, and how they refuse.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use std::fs;
+use std::path::Path;
+use std::process::Output;
+
+use assert_cmd::Command;
+
+const MACHINE: &str = "schema = 1\nname = \"m\"\n[axis]\nkind = \"rotary\"\nsample_period_s = 5e-4\n\
+                       resolution = 1.2783173e-5\n[plant]\ninertia = 0.075\ncoulomb = 0.763\ntorque_limit = 30\n\
+                       torque_delay_s = 0.005\n[plant.er]\na = 0.0704\nb = 0.470\ndead_time_s = 0.002\nlag_s = 0.003\n";
+
+/// Runs `servo-lab` in a folder.
+fn lab(folder: &Path, line: &str) -> Output {
+    let words = line.split_whitespace();
+    Command::cargo_bin("servo-lab").unwrap().current_dir(folder).args(words).output().unwrap()
+}
+
+fn printed(folder: &Path, line: &str) -> String {
+    let output = lab(folder, line);
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{line}: {errors}");
+    assert_eq!(errors, "", "{line}: progress and notes stay off a pipe");
+    String::from_utf8(output.stdout).unwrap()
+}
+
+/// Exit code 2, one line of message that holds `message`, nothing on standard output, no file written.
+fn refused(folder: &Path, line: &str, message: &str) {
+    let names = |folder: &Path| {
+        let mut names: Vec<_> = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+        names.sort();
+        names
+    };
+    let before = names(folder);
+    let output = lab(folder, line);
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{line}: {errors}");
+    assert!(errors.lines().count() == 1 && errors.contains(message), "{line}: {errors}");
+    assert!(output.stdout.is_empty(), "{line}");
+    assert_eq!(names(folder), before, "{line}");
+}
+
+/// A folder with a machine, one that has a controller, and a recording of it.
+fn folder() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    fs::write(at("machine.toml"), MACHINE).unwrap();
+    fs::write(at("controlled.toml"), format!("{MACHINE}[controller]\nkp_nm_rad = 240\n")).unwrap();
+    fs::write(at("linear.toml"), MACHINE.replace("rotary", "linear")).unwrap();
+    fs::write(at("bad.toml"), MACHINE.replace("inertia = 0.075", "inertia = -1")).unwrap();
+    fs::write(at("bad.csv"), "t_s,position_rad,torque_cmd_nm\n0,0,1\n0.0005,x,1\n").unwrap();
+    fs::write(at("short.csv"), "t_s,position_rad,torque_cmd_nm,reference_rad\n0,0,0,0\n0.0005,0,0,0\n").unwrap();
+    fs::write(at("no_reference.csv"), "t_s,position_rad,torque_cmd_nm\n0,0,1\n0.0005,0,1\n").unwrap();
+    fs::write(at("bad_reference.csv"), "t_s,reference_rad\n0,0\n0,1\n").unwrap();
+    fs::write(at("text.txt"), "not a recording").unwrap();
+    printed(folder.path(), "simulate --duration-s 0.3 --out run.csv");
+    folder
+}
+
+#[test]
+fn help_lists_every_command_and_flag() {
+    let folder = tempfile::tempdir().unwrap();
+    let help = printed(folder.path(), "--help");
+    for command in ["simulate", "replay", "compare", "stability", "demo"] {
+        assert!(help.contains(&format!("\n  {command} ")), "{command} in {help}");
+        let help = printed(folder.path(), &format!("{command} --help"));
+        assert!(help.contains("Usage: servo-lab"), "{help}");
+    }
+    let help = printed(folder.path(), "simulate --help");
+    for word in ["step", "steps", "multisine", "chirp", "ramp", "disturbance", "--reference", "--seed", "--machine"] {
+        assert!(help.contains(word), "{word} in {help}");
+    }
+}
+
+#[test]
+fn bad_input_of_every_command_is_one_line_and_writes_nothing() {
+    let folder = folder();
+    let cases = [
+        ("simulate --machine missing.toml --out out.csv", "missing.toml: cannot open"),
+        ("simulate --machine bad.toml --out out.csv", "bad.toml:8: plant.inertia"),
+        ("simulate --machine linear.toml --out out.csv", "linear.toml: axis.kind"),
+        ("simulate --reference missing.csv --out out.csv", "missing.csv: cannot open"),
+        ("simulate --reference bad_reference.csv --out out.csv", "bad_reference.csv:3: t_s: 0 does not rise"),
+        ("simulate --duration-s=-1 --out out.csv", "duration_s"),
+        ("simulate --duration-s nan --out out.csv", "duration_s"),
+        ("simulate --amplitude-deg 1e9 --out out.csv", "amplitude_rad"),
+        ("simulate chirp --high-hz 1000 --out out.csv", "to_hz"),
+        ("simulate ramp --speed-rad-s 0 --out out.csv", "speed_rad_s"),
+        ("simulate steps --dwell-s 0 --out out.csv", "dwell_s"),
+        ("simulate --fluid q --dead-time-ms 5 --lag-ms 5 --out out.csv", "not both"),
+        ("simulate --fluid none --lag-ms 5 --out out.csv", "--fluid none has no delay"),
+        ("simulate --fluid e --lag-ms=-5 --out out.csv", "--lag-ms: -5 ms is not allowed"),
+        ("simulate --fluid e --dead-time-ms nan --out out.csv", "--dead-time-ms: NaN ms is not allowed"),
+        ("simulate --drive-delay-ms=-5 --out out.csv", "--drive-delay-ms: -5 ms is not allowed, 0 to 1000 is"),
+        ("simulate --sensor-noise-rad nan --out out.csv", "noise_sd"),
+        ("simulate --torque-noise-nm=-1 --out out.csv", "torque_noise_sd"),
+        ("simulate --disturbance 0.1,-1,8 --out out.csv", "duration_s"),
+        ("replay missing.csv", "missing.csv: cannot open"),
+        ("replay bad.csv", "bad.csv:3: position_rad"),
+        ("replay text.txt", "text.txt: is not a recording by its name"),
+        ("replay no_reference.csv", "no_reference.csv: replay needs the column reference_rad"),
+        ("replay --machine machine.toml run.csv", "machine.toml: controller: no [controller] section"),
+        ("replay --machine bad.toml run.csv", "bad.toml:8: plant.inertia"),
+        ("compare --machine missing.toml run.csv", "missing.toml: cannot open"),
+        ("compare --machine bad.toml run.csv", "bad.toml:8: plant.inertia"),
+        ("compare --machine linear.toml run.csv", "run.csv"),
+        ("compare --machine machine.toml bad.csv", "bad.csv:3: position_rad"),
+        ("compare --machine machine.toml run.csv bad.csv", "bad.csv:3: position_rad"),
+        ("compare --machine machine.toml short.csv", "short.csv: 0.001 s without a window of 0.05 s"),
+        ("compare --machine machine.toml run.csv short.csv", "short.csv: 0.001 s without a window of 0.05 s"),
+    ];
+    for (line, message) in cases {
+        refused(folder.path(), line, message);
+    }
+}
+
+#[test]
+fn flags_that_do_not_exist_or_lack_a_value_exit_with_2() {
+    let folder = tempfile::tempdir().unwrap();
+    for line in [
+        "",
+        "simulat",
+        "simulate --sed 3",
+        "simulate --disturbance 1,2",
+        "simulate --out o.txt",
+        "compare run.csv",
+        "replay",
+    ] {
+        let output = lab(folder.path(), line);
+        assert_eq!(output.status.code(), Some(2), "{line}");
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0, "{line}");
+    }
+}
+
+#[test]
+fn every_scenario_simulates_writes_and_replays() {
+    let folder = folder();
+    fs::write(folder.path().join("reference.csv"), "t_s,reference_rad\n0,0\n0.1,0.3\n0.4,0.3\n").unwrap();
+    let scenarios = ["step", "steps", "multisine", "chirp", "ramp", "disturbance", "--reference reference.csv"];
+    for (k, scenario) in scenarios.into_iter().enumerate() {
+        let file = format!("{k}.{}", if k % 2 == 0 { "csv" } else { "parquet" });
+        let line = format!("simulate {scenario} --machine controlled.toml --duration-s 0.8 --seed 4 --out {file}");
+        let summary = printed(folder.path(), &line);
+        let rows = if scenario.starts_with("--") { 801 } else { 1600 };
+        assert!(summary.starts_with(&format!("wrote {file}: {rows} rows, seed 4\n")), "{summary}");
+        assert!(summary.contains("\npeak field ") && summary.contains("\ntime "), "{summary}");
+        let replayed = printed(folder.path(), &format!("replay --machine controlled.toml {file}"));
+        assert_eq!(replayed, format!("{file}: identical, {rows} rows\n"));
+    }
+}
+
+#[test]
+fn compare_writes_a_picture_a_recording_and_demo_the_lot() {
+    let folder = folder();
+    let text = printed(folder.path(), "compare --machine machine.toml run.csv");
+    assert!(text.starts_with("run.csv: 600 rows, 0.299 s, 0 gaps\n"), "{text}");
+    let svg = fs::read_to_string(folder.path().join("compare-run.svg")).unwrap();
+    assert!(svg.contains("<svg") && svg.contains("time (s)"));
+    let text = printed(folder.path(), "demo --out demo");
+    for file in ["step.svg", "demo.csv", "compare.svg"] {
+        assert!(text.contains(file) && folder.path().join("demo").join(file).is_file(), "{file}: {text}");
+    }
+    assert!(printed(folder.path(), "replay demo/demo.csv").ends_with("identical, 16000 rows\n"));
+}
+
+#[test]
+fn columns_the_format_does_not_know_and_missing_rows_are_reported() {
+    let folder = folder();
+    let run = fs::read_to_string(folder.path().join("run.csv")).unwrap();
+    let noted = run.lines().enumerate().filter(|(line, _)| *line != 50);
+    let noted: String =
+        noted.map(|(line, row)| format!("{row},{}\n", if line == 0 { "humidity" } else { "3" })).collect();
+    fs::write(folder.path().join("noted.csv"), noted).unwrap();
+    for line in ["replay noted.csv", "compare --machine machine.toml noted.csv"] {
+        let text = printed(folder.path(), line);
+        assert!(
+            text.contains("note: noted.csv: column `humidity` is not one of the format and is not used\n"),
+            "{text}"
+        );
+        assert!(
+            text.contains("note: noted.csv: rows are missing in 1 places, the first after t_s = 0.024\n"),
+            "{text}"
+        );
+    }
+}
+
+/// Compares with a file under `tests/golden`, or rewrites it: `cargo xtask golden`.
+fn golden(name: &str, text: &str) {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden").join(name);
+    if std::env::var_os("UPDATE_GOLDEN").is_some_and(|value| value == "1") {
+        fs::write(&file, text).unwrap();
+    }
+    let expected = fs::read_to_string(&file).unwrap();
+    assert_eq!(text, expected, "{name}; if the change is meant, `cargo xtask golden` rewrites it");
+}
+
+#[test]
+fn the_summaries_are_those_of_the_golden_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let lines = [
+        "simulate",
+        "simulate --fluid none",
+        "simulate --fluid e --dead-time-ms 5",
+        "simulate --fluid q --lag-ms 5",
+        "simulate steps --seed 3 --sensor-noise-rad 1e-5 --torque-noise-nm 0.05",
+        "simulate multisine --amplitude-deg 10",
+        "simulate disturbance --drive-delay-ms 4.4",
+    ];
+    let text: String =
+        lines.iter().map(|line| format!("$ servo-lab {line}\n{}\n", printed(folder.path(), line))).collect();
+    golden("summaries.txt", &text);
+}
