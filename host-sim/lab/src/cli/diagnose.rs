@@ -7,6 +7,7 @@ use crate::Error;
 use crate::decide::{Request, diagnose};
 use crate::effects::{self, Effect};
 use crate::read::{Machine, Recording};
+use crate::report::html::{Machines, PlotData, page};
 use crate::{output, report};
 
 /// Flags of `diagnose`.
@@ -52,9 +53,6 @@ pub fn run(args: &Args) -> Result<(), Error> {
             .build_global()
             .map_err(|error| Error::Usage(format!("--jobs {jobs}: {error}")))?;
     }
-    if args.html.is_some() {
-        return Err(Error::Usage("--html is not there yet; --json holds everything it would show".to_owned()));
-    }
     let vocabulary = vocabulary(&args.only, &args.without)?;
     let machine = Machine::read(&args.machine)?;
     let read = |files: &[PathBuf]| -> Result<Vec<Recording>, Error> {
@@ -72,6 +70,11 @@ pub fn run(args: &Args) -> Result<(), Error> {
         } else {
             output::write(file, |out| writeln!(out, "{text}"))?;
         }
+    }
+    if let Some(file) = &args.html {
+        let machines = Machines { nominal: &diagnosis.nominal, improved: &diagnosis.improved };
+        let plot = PlotData::new(machines, &recordings, &holdout, &diagnosis.answer)?;
+        output::write_text(file, &page(&machine.name, &diagnosis.answer, &plot)?)?;
     }
     if let Some(file) = &args.write_model {
         let text = report::improved_machine(&read_text(&args.machine)?, &diagnosis.answer);

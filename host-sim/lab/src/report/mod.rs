@@ -2,6 +2,7 @@
 
 mod answer;
 pub mod compare;
+pub mod html;
 mod improved;
 mod text;
 mod units;

@@ -1,0 +1,60 @@
+//! The answer as one page that opens from disk: no file beside it, no network.
+
+mod data;
+mod escape;
+mod maps;
+mod sections;
+#[cfg(test)]
+mod tests;
+mod thin;
+mod words;
+
+pub use data::{Machines, PlotData};
+use maps::{Band, MapPlot};
+
+use crate::Error;
+use crate::report::Answer;
+
+/// Sources of the plots; see the README beside them.
+const UPLOT: &str = include_str!("../../../assets/uplot/uPlot.iife.min.js");
+const UPLOT_STYLE: &str = include_str!("../../../assets/uplot/uPlot.min.css");
+const UPLOT_LICENCE: &str = include_str!("../../../assets/uplot/LICENSE");
+const STYLE: &str = include_str!("page.css");
+const SCRIPT: &str = include_str!("page.js");
+/// Whatever the page holds, the browser loads nothing for it.
+const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'";
+
+/// The page for an answer about the machine called `machine`.
+///
+/// # Errors
+/// [`Error::Usage`] where the curves are no JSON, which numbers and names always are.
+pub fn page(machine: &str, answer: &Answer, plot: &PlotData) -> Result<String, Error> {
+    let data = escape::json(plot).map_err(|error| Error::Usage(format!("the page's data: {error}")))?;
+    let verdict = format!("{:?}", answer.verdict).to_lowercase();
+    let names: Vec<&str> = plot.recordings.iter().map(|recording| recording.name.as_str()).collect();
+    let (machine, names) = (escape::text(machine), escape::text(&names.join(", ")));
+    let sentence = escape::text(&words::sentence(answer));
+    let body = [
+        sections::warnings(answer),
+        sections::effects(answer),
+        sections::fit(answer),
+        sections::curves(plot),
+        sections::located(answer, plot),
+        sections::maps(answer, plot),
+        sections::experiment(answer),
+        sections::rejected(answer),
+    ]
+    .concat();
+    Ok(format!(
+        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta http-equiv=\"Content-Security-Policy\" \
+         content=\"{POLICY}\">\n<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<meta \
+         name=\"color-scheme\" content=\"light dark\">\n<title>{machine}: {verdict}</title>\n<style>\n{UPLOT_STYLE}\n{STYLE}\
+         </style>\n</head>\n<body>\n<main>\n<header><p class=\"quiet\">Diagnosis of {machine} from {names}</p>\n<h1><span \
+         class=\"verdict {verdict}\">{verdict}</span> {sentence}</h1></header>\n<noscript><p class=\"note\">The curves are \
+         drawn by a script, which is off here; every figure is in the tables.</p></noscript>\n{body}<footer \
+         class=\"quiet\">servo-lab {}; plots by uPlot 1.6.32, MIT licence, text in the source of this page.</footer>\n\
+         </main>\n<script type=\"application/json\" id=\"plot\">{data}</script>\n<script>\n/*\n{UPLOT_LICENCE}*/\n{UPLOT}\n\
+         </script>\n<script>\n{SCRIPT}</script>\n</body>\n</html>\n",
+        env!("CARGO_PKG_VERSION")
+    ))
+}

@@ -1,0 +1,160 @@
+//! The page holds what the answer says, as text, and loads nothing.
+#![allow(clippy::unwrap_used)]
+
+use super::data::{RecordingPlot, Samples};
+use super::maps::{Band, MapPlot};
+use super::*;
+use crate::report::{EffectAnswer, Evidence, Experiment, FitAnswer, Interval, Location, Region, Rejected, ResidualMap};
+use crate::report::{Verdict, html};
+
+const HOSTILE: &str = "</script><script>alert(1)</script> & \"a' <b>.csv";
+
+/// An answer in which every text is hostile.
+fn answer(verdict: Verdict) -> Answer {
+    let hostile = HOSTILE.to_owned();
+    let effect = EffectAnswer {
+        id: "coulomb_friction".to_owned(),
+        text: hostile.clone(),
+        equivalent: vec![hostile.clone()],
+        parameters: vec![Interval {
+            id: "coulomb_nm".to_owned(),
+            value: 0.9501,
+            low: 0.9482,
+            high: 0.9523,
+            unit: "N m".to_owned(),
+        }],
+        evidence: Evidence { heldout_gain: 0.6, p_value: 0.0, excess_explained: 0.99 },
+        recording: Some(hostile.clone()),
+    };
+    Answer {
+        schema: 1,
+        verdict,
+        effects: vec![effect],
+        fit: FitAnswer {
+            before_rms: 2e-4,
+            after_rms: 1e-5,
+            heldout_before_rms: 2e-4,
+            heldout_after_rms: 5e-5,
+            noise_floor_rms: 9e-6,
+            excess_explained: 0.99,
+            unit: "rad".to_owned(),
+            horizon_s: 0.05,
+        },
+        locations: vec![Location {
+            recording: hostile.clone(),
+            start_s: 1.0,
+            end_s: 1.5,
+            share: 0.3,
+            text: hostile.clone(),
+        }],
+        regions: vec![Region { channel: hostile.clone(), low: 0.0, high: 0.2, share: 0.8 }],
+        rejected: vec![Rejected { id: hostile.clone(), heldout_gain: 0.01, why: hostile.clone() }],
+        experiment: Some(Experiment {
+            text: hostile.clone(),
+            separates: vec![hostile.clone()],
+            reference_csv: Some(hostile.clone()),
+        }),
+        warnings: vec![hostile.clone()],
+        residual_map: vec![ResidualMap { channel: hostile, at: vec![0.0], mean: vec![0.1], band: vec![0.01] }],
+    }
+}
+
+/// Three recordings of 16,000 rows with digits that do not repeat.
+fn plot() -> PlotData {
+    let samples = |most: f64, step: f64| Samples {
+        step,
+        at: (0..16_000).map(|row| Some(((f64::from(row) * 0.37).sin() * most / step) as i64)).collect(),
+    };
+    let recording = RecordingPlot {
+        name: HOSTILE.to_owned(),
+        held_out: false,
+        rows: 16_000,
+        t_s: Samples { step: 1e-6, at: (0..16_000).map(|row| Some(row * 500)).collect() },
+        recorded: samples(0.9, 1e-7),
+        before: samples(900.0, 1e-2),
+        after: Some(samples(90.0, 1e-3)),
+        effort: samples(9.0, 1e-4),
+        field_kv_mm: Some(samples(3.0, 1e-4)),
+        spans: vec![(1.0, 1.5)],
+    };
+    let band = Band { mean: vec![0.2, 0.3], half: vec![Some(0.01), None] };
+    let map = MapPlot {
+        title: HOSTILE.to_owned(),
+        x_label: "speed (rad/s)".to_owned(),
+        y_label: "residual torque (N m)".to_owned(),
+        x: vec![-1.0, 1.0],
+        before: band.clone(),
+        after: Some(band),
+    };
+    PlotData {
+        position_unit: "rad",
+        residual_unit: "\u{b5}rad".to_owned(),
+        effort_name: "torque",
+        effort_unit: "N m",
+        recordings: vec![recording.clone(), recording.clone(), RecordingPlot { held_out: true, ..recording }],
+        maps: vec![map],
+    }
+}
+
+fn written(verdict: Verdict) -> String {
+    html::page(HOSTILE, &answer(verdict), &plot()).unwrap()
+}
+
+#[test]
+fn the_page_says_the_answer() {
+    let page = written(Verdict::Named);
+    for part in [
+        "The model lacks coulomb friction (0.9501 N m)",
+        "on data the fit never saw is 75 % less",
+        "0.9482 to 0.9523",
+        "What was rejected",
+        "What to record next",
+        "Before you believe this",
+        "1.00 to 1.50",
+        "coulomb_nm",
+    ] {
+        assert!(page.contains(part), "{part}");
+    }
+    assert!(written(Verdict::None).contains("Nothing is missing from the model"));
+    assert!(written(Verdict::Unknown).contains("comes nearest, with 99 %"));
+    assert!(written(Verdict::Controller).contains("no physics is named"));
+    assert!(written(Verdict::Ambiguous).contains("cannot tell which"));
+}
+
+#[test]
+fn names_are_text_wherever_they_stand() {
+    let page = written(Verdict::Unknown);
+    assert!(!page.contains("<script>alert") && !page.contains("<b>.csv"));
+    // Only the page's own scripts: data, uPlot, the page's.
+    assert_eq!((page.matches("<script").count(), page.matches("</script").count()), (3, 3));
+    assert!(page.contains("&lt;b&gt;.csv"));
+}
+
+#[test]
+fn nothing_is_loaded() {
+    let page = written(Verdict::Named);
+    assert!(page.contains("default-src 'none'"));
+    for load in [" src=", " href=", "url(", "@import", "fetch(", "XMLHttpRequest", "import("] {
+        assert!(!page.contains(load), "{load}");
+    }
+    // The address in the notice of uPlot is the only one, in a comment.
+    let addresses = page.match_indices("://").count();
+    assert_eq!(addresses, page.matches("/*! https://github.com/leeoniya/uPlot").count());
+}
+
+#[test]
+fn three_recordings_of_16_000_rows_stay_under_5_mb() {
+    let page = written(Verdict::Named);
+    assert!(page.len() < 5_000_000, "{}", page.len());
+}
+
+#[test]
+fn data_reads_back() {
+    let page = written(Verdict::Named);
+    let start = page.find("id=\"plot\">").unwrap() + "id=\"plot\">".len();
+    let data = &page[start..start + page[start..].find("</script").unwrap()];
+    let data: serde_json::Value = serde_json::from_str(data).unwrap();
+    assert_eq!(data["recordings"][0]["name"], HOSTILE);
+    assert_eq!(data["recordings"][2]["held_out"], true);
+    assert_eq!(data["recordings"][1]["t_s"]["at"].as_array().unwrap().len(), 16_000);
+}

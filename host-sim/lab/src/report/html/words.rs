@@ -1,0 +1,108 @@
+//! The answer in a sentence, and numbers as a reader takes them.
+
+use crate::report::{Answer, EffectAnswer, Interval, Verdict};
+
+/// The answer in one sentence.
+pub(super) fn sentence(answer: &Answer) -> String {
+    let found: Vec<String> = answer.effects.iter().map(named).collect();
+    let found = listed(&found);
+    let fit = &answer.fit;
+    let fall = 100.0 * (1.0 - fit.heldout_after_rms / fit.heldout_before_rms.max(f64::MIN_POSITIVE));
+    match answer.verdict {
+        Verdict::None => "Nothing is missing from the model beyond the noise of these recordings.".to_owned(),
+        Verdict::Named => {
+            format!("The model lacks {found}; with it, the error on data the fit never saw is {fall:.0} % less.")
+        }
+        Verdict::Ambiguous => {
+            format!("The model lacks {found}: something is missing, and these recordings cannot tell which it is.")
+        }
+        Verdict::Unknown if found.is_empty() => {
+            "Something is missing from the model, and nothing in the vocabulary explains it.".to_owned()
+        }
+        Verdict::Unknown => format!(
+            "Something is missing from the model, and nothing in the vocabulary explains it; {found} comes nearest, with \
+             {:.0} % of the excess over the noise.",
+            100.0 * fit.excess_explained
+        ),
+        Verdict::Controller => {
+            "The recorded commands are not what this control law computes, so no physics is named.".to_owned()
+        }
+    }
+}
+
+/// An effect with its first value and what it may be instead.
+fn named(effect: &EffectAnswer) -> String {
+    let values: Vec<String> =
+        effect.parameters.iter().map(|value| format!("{} {}", estimate(value), value.unit)).collect();
+    let values: Vec<&str> = values.iter().map(|value| value.trim_end()).collect();
+    let values = if values.is_empty() { String::new() } else { format!(" ({})", values.join(", ")) };
+    let others: Vec<String> = effect.equivalent.iter().map(|id| title(id)).collect();
+    let others = if others.is_empty() { String::new() } else { format!(" or {}", others.join(" or ")) };
+    format!("{}{values}{others}", title(&effect.id))
+}
+
+/// An identifier as words.
+pub(super) fn title(id: &str) -> String {
+    id.replace('_', " ")
+}
+
+fn listed(items: &[String]) -> String {
+    match items {
+        [] => String::new(),
+        [one] => one.clone(),
+        [first @ .., last] => format!("{} and {last}", first.join(", ")),
+    }
+}
+
+/// The value with the digits that its interval leaves.
+pub(super) fn estimate(of: &Interval) -> String {
+    number(of.value, of.high - of.low)
+}
+
+/// The interval with the digits that its width leaves.
+pub(super) fn interval(of: &Interval) -> String {
+    let width = of.high - of.low;
+    format!("{} to {}", number(of.low, width), number(of.high, width))
+}
+
+/// A number with two digits of `width`; four of its own where that is zero or no number.
+pub(super) fn number(value: f64, width: f64) -> String {
+    if !value.is_finite() {
+        return "unbounded".to_owned();
+    }
+    let resolution = if width.is_finite() && width > 0.0 { width / 10.0 } else { value.abs() / 1000.0 };
+    let order = |value: f64| value.log10().floor();
+    if value != 0.0 && !(1e-4..1e6).contains(&value.abs()) {
+        let digits = (order(value.abs()) - order(resolution)).clamp(0.0, 9.0) as usize;
+        return format!("{value:.digits$e}");
+    }
+    let decimals = if resolution > 0.0 { (-order(resolution)).clamp(0.0, 9.0) as usize } else { 0 };
+    format!("{value:.decimals$}")
+}
+
+/// A p value; what cannot be told from zero is said to be small.
+pub(super) fn p_value(p: f64) -> String {
+    if p < 1e-12 { "< 1e-12".to_owned() } else { format!("{p:.1e}") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_have_the_digits_of_their_interval() {
+        assert_eq!(number(0.950_123, 0.004), "0.9501");
+        assert_eq!(number(0.950_123, 0.0), "0.9501");
+        assert_eq!(number(1234.567, 300.0), "1235");
+        assert_eq!(number(0.0, 0.0), "0");
+        assert_eq!(number(2.5e-7, 4e-9), "2.500e-7");
+        assert_eq!(number(f64::INFINITY, 1.0), "unbounded");
+    }
+
+    #[test]
+    fn effects_are_listed_as_in_speech() {
+        let items = ["a".to_owned(), "b".to_owned(), "c".to_owned()];
+        assert_eq!(listed(&items), "a, b and c");
+        assert_eq!(title("field_dead_time"), "field dead time");
+    }
+}
