@@ -1,13 +1,16 @@
 //! The image's log: defmt frames over RTT, with their strings in the ELF file of the very same image.
 
-use defmt_decoder::{DecodeError, Table};
+use defmt_decoder::{DecodeError, StreamDecoder, Table};
 use er_servo::parameters::TABLE;
 use er_servo::{Config, FRAME_BYTES, FRAME_SCHEMA, Frame, State};
-use object::{Object, ObjectSection};
+use object::{Object, ObjectSection, ObjectSymbol};
 
 /// Where in the note the hash begins, and how much of it the image tells.
 const BUILD_ID_AT: usize = 16;
 const BUILD_ID_BYTES: usize = 8;
+
+/// How the message starts that begins a recording.
+const BEGIN: &str = "recording run ";
 
 /// Which image.
 pub type Build = [u8; BUILD_ID_BYTES];
@@ -134,33 +137,90 @@ impl Image {
     ///
     /// A log of another image, or a recording that contradicts itself.
     pub fn decode(&self, log: &[u8]) -> Result<Vec<Entry>, Error> {
-        let mut decoder = self.table.new_stream_decoder();
-        decoder.received(log);
-        let mut entries = Vec::new();
-        let mut malformed = 0;
-        loop {
-            let text = match decoder.decode() {
-                Ok(message) => message.display_message().to_string(),
-                Err(DecodeError::UnexpectedEof) => break,
-                Err(DecodeError::Malformed) => {
-                    malformed += 1;
-                    entries.push(Entry::Damaged);
-                    continue;
-                }
-            };
-            let entry = entry(&text).map_err(|message| Error::Message { at: entries.len() + 1, message })?;
-            if let Some(Entry::Begin(begin)) = &entry
-                && begin.build != self.build
-            {
-                return Err(Error::OtherBuild { log: begin.build, elf: self.build });
-            }
-            entries.push(entry.unwrap_or(Entry::Damaged));
-        }
-        let messages = entries.len();
-        if malformed * 2 > messages {
-            return Err(Error::NotThisImage { malformed, messages });
-        }
+        let mut stream = self.stream();
+        let entries = stream.push(log)?;
+        stream.finish()?;
         Ok(entries)
+    }
+
+    /// A decoder of a log that comes in pieces.
+    pub fn stream(&self) -> Stream<'_> {
+        Stream { decoder: self.table.new_stream_decoder(), build: self.build, messages: 0, malformed: 0 }
+    }
+
+    /// Address of the RTT control block on the MCU, for a probe.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Elf`].
+    pub fn rtt_address(elf: &[u8]) -> Result<u64, Error> {
+        let file = object::File::parse(elf).map_err(|error| Error::Elf(error.to_string()))?;
+        let block = file.symbols().find(|symbol| symbol.name() == Ok("_SEGGER_RTT"));
+        block.map(|symbol| symbol.address()).ok_or_else(|| Error::Elf("it has no RTT control block".to_owned()))
+    }
+}
+
+/// Messages of a live log that must have come before it is judged to be another image's.
+const JUDGED_AFTER: usize = 200;
+
+/// Decodes a log as it comes.
+pub struct Stream<'a> {
+    decoder: Box<dyn StreamDecoder + Send + Sync + 'a>,
+    build: Build,
+    messages: usize,
+    malformed: usize,
+}
+
+impl Stream<'_> {
+    /// The messages that end in `bytes`.
+    ///
+    /// # Errors
+    ///
+    /// A log of another image, or a recording that contradicts itself.
+    pub fn push(&mut self, bytes: &[u8]) -> Result<Vec<Entry>, Error> {
+        self.decoder.received(bytes);
+        let mut entries = Vec::new();
+        loop {
+            let decoded = self.decoder.decode().map(|message| message.display_message().to_string());
+            if matches!(decoded, Err(DecodeError::UnexpectedEof)) {
+                return Ok(entries);
+            }
+            self.messages += 1;
+            entries.push(match decoded {
+                Ok(text) => self.entry(&text)?.unwrap_or(Entry::Damaged),
+                Err(_) => {
+                    self.malformed += 1;
+                    Entry::Damaged
+                }
+            });
+            if self.messages >= JUDGED_AFTER {
+                self.judge()?;
+            }
+        }
+    }
+
+    /// Says whether what came was a log of this image at all.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::NotThisImage`].
+    pub fn finish(self) -> Result<(), Error> {
+        self.judge()
+    }
+
+    fn judge(&self) -> Result<(), Error> {
+        let (malformed, messages) = (self.malformed, self.messages);
+        if malformed * 2 > messages { Err(Error::NotThisImage { malformed, messages }) } else { Ok(()) }
+    }
+
+    fn entry(&self, text: &str) -> Result<Option<Entry>, Error> {
+        // Before anything else of a begin is believed: another build may have another number of parameters.
+        if let Some(log) = build_in(text)
+            && log != self.build
+        {
+            return Err(Error::OtherBuild { log, elf: self.build });
+        }
+        entry(text).map_err(|message| Error::Message { at: self.messages, message })
     }
 }
 
@@ -187,19 +247,27 @@ fn entry(text: &str) -> Result<Option<Entry>, String> {
             list(bytes)?.try_into().map_err(|bytes: Vec<u8>| format!("a frame of {} bytes", bytes.len()))?;
         return Ok(Frame::decode(&bytes).ok().map(|frame| Entry::Frame(Box::new(frame))));
     }
-    if text.starts_with("recording run ") {
+    if text.starts_with(BEGIN) {
         return begin(text).map(|begin| Some(Entry::Begin(Box::new(begin))));
     }
     Ok(Some(if text == "recording ended" { Entry::End } else { Entry::Event(text.to_owned()) }))
 }
 
+/// The build that the begin of a recording names; none in any other text.
+fn build_in(text: &str) -> Option<Build> {
+    text.starts_with(BEGIN).then(|| list(field(text, "build").ok()?).ok()?.try_into().ok())?
+}
+
+/// What stands behind a name in the begin of a recording.
+fn field<'a>(text: &'a str, name: &str) -> Result<&'a str, String> {
+    let missing = || format!("the begin of the recording has no {name}");
+    let rest = text.split_once(&format!("{name} ")).ok_or_else(missing)?.1;
+    let end = if rest.starts_with('[') { rest.find(']').map(|at| at + 1) } else { rest.find(' ') };
+    rest.get(..end.unwrap_or(rest.len())).ok_or_else(missing)
+}
+
 fn begin(text: &str) -> Result<Begin, String> {
-    let field = |name: &str| -> Result<&str, String> {
-        let missing = || format!("the begin of the recording has no {name}");
-        let rest = text.split_once(&format!("{name} ")).ok_or_else(missing)?.1;
-        let end = if rest.starts_with('[') { rest.find(']').map(|at| at + 1) } else { rest.find(' ') };
-        rest.get(..end.unwrap_or(rest.len())).ok_or_else(missing)
-    };
+    let field = |name: &str| field(text, name);
     let number = |name: &str| field(name)?.parse::<u32>().map_err(|error| format!("{name}: {error}"));
     let schema = number("schema")?;
     if schema != u32::from(FRAME_SCHEMA) {
@@ -252,6 +320,12 @@ mod tests {
         assert_eq!(read, Begin { run: 7, build: [1, 2, 3, 4, 5, 6, 7, 8], tick: 99, state, config });
         assert!(begin(&text.replace("schema 1", "schema 9")).unwrap_err().contains("schema 9"));
         assert!(begin(&text[..60]).is_err());
+    }
+
+    #[test]
+    fn the_build_is_read_even_where_the_rest_cannot_be() {
+        assert_eq!(build_in("recording run 7 schema 9 build [1, 2, 3, 4, 5, 6, 7, 8] tick"), Some([1, 2, 3, 4, 5, 6, 7, 8]));
+        assert_eq!(build_in("er-servo 0.1.0, build [1, 2, 3, 4, 5, 6, 7, 8]"), None);
     }
 
     #[test]

@@ -1,0 +1,243 @@
+//! A conversation with a drive: one command at a time, sent again until it is answered.
+//!
+//! A packet sent again carries the sequence number it had: the drive answers it again and does not carry it out again.
+
+use std::io::{ErrorKind, Read, Write};
+use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
+
+use er_servo::FRAME_SCHEMA;
+use er_servo::link::{Answer, Command, PROTOCOL, Refusal, Status};
+use er_servo::parameters::TABLE;
+
+use crate::client::Client;
+use crate::log::Build;
+
+/// A save erases flash, which takes up to 1.6 s; nothing is answered meanwhile.
+const SAVE_PATIENCE: Duration = Duration::from_secs(3);
+
+/// Why a command was not carried out, or nobody knows whether it was.
+#[derive(Debug, thiserror::Error)]
+pub enum LinkError {
+    /// The port or the network failed.
+    #[error("the connection failed: {0}")]
+    Stream(#[from] std::io::Error),
+    /// The far end hung up.
+    #[error("the far end closed the connection")]
+    Closed,
+    /// No answer, however often it was asked.
+    #[error("{command:?}: no answer to {attempts} attempts{}", heard(*bytes, *damaged))]
+    Silent {
+        /// What was asked.
+        command: Command,
+        /// How often.
+        attempts: u32,
+        /// Bytes that came in meanwhile.
+        bytes: usize,
+        /// Answers among them that were damaged.
+        damaged: u32,
+    },
+    /// The drive speaks another version.
+    #[error("the drive speaks version {drive} of the link, this tool {PROTOCOL}: use the tool of the flashed release")]
+    Protocol {
+        /// Version of the drive.
+        drive: u16,
+    },
+    /// The drive has other parameters.
+    #[error("the drive has {drive} parameters, this tool {}: use the tool of the flashed release", TABLE.len())]
+    Parameters {
+        /// Number of the drive's.
+        drive: u8,
+    },
+    /// The drive said no.
+    #[error("refused: {0}")]
+    Refused(Refusal),
+    /// The answer is none to what was asked.
+    #[error("{command:?} was answered by {answer:?}")]
+    Unexpected {
+        /// What was asked.
+        command: Command,
+        /// What came.
+        answer: Box<Answer>,
+    },
+}
+
+fn heard(bytes: usize, damaged: u32) -> String {
+    match (bytes, damaged) {
+        (0, _) => ", not a byte: check that the drive is powered and that this is its port".to_owned(),
+        (bytes, 0) => format!("; {bytes} bytes came, but no packet: check the baud rate and that this is its port"),
+        (_, damaged) => format!("; {damaged} answers were damaged: check the cable"),
+    }
+}
+
+/// How long and how often to ask.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Persistence {
+    /// Wait for an answer.
+    pub patience: Duration,
+    /// Times a command is sent before it is given up; at least once.
+    pub attempts: u32,
+}
+
+impl Default for Persistence {
+    fn default() -> Self {
+        Self { patience: Duration::from_millis(250), attempts: 4 }
+    }
+}
+
+/// An open session over a stream of bytes, whose reads must give up after some 10 ms without a byte
+/// ([`ErrorKind::TimedOut`] or [`ErrorKind::WouldBlock`]).
+#[derive(Debug)]
+pub struct Connection<S> {
+    stream: S,
+    client: Client,
+    persistence: Persistence,
+    bytes: usize,
+    /// Which image the drive runs.
+    pub build: Build,
+    parameters: u8,
+}
+
+impl<S: Read + Write> Connection<S> {
+    /// Says hello.
+    ///
+    /// # Errors
+    ///
+    /// No drive there, or one of another version.
+    pub fn open(stream: S, persistence: Persistence) -> Result<Self, LinkError> {
+        // Answers to a client before this one may still be on their way.
+        let clock = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+        let client = Client::after(clock.as_millis() as u32);
+        let mut connection = Self { stream, client, persistence, bytes: 0, build: Build::default(), parameters: 0 };
+        let (answer, attempts) = connection.converse(Command::Hello)?;
+        let Answer::Hello { protocol, frame_schema, parameters, build, .. } = answer else {
+            return Err(LinkError::Unexpected { command: Command::Hello, answer: Box::new(answer) });
+        };
+        if protocol != PROTOCOL || frame_schema != FRAME_SCHEMA {
+            return Err(LinkError::Protocol { drive: protocol });
+        }
+        (connection.build, connection.parameters) = (build, parameters);
+        if attempts > 1 {
+            // Each hello opens a session of its own: the last one to be answered is the one that holds.
+            connection.listen(None, persistence.patience)?;
+        }
+        Ok(connection)
+    }
+
+    /// Asks, and waits for the answer.
+    ///
+    /// # Errors
+    ///
+    /// A refusal, or no answer.
+    pub fn ask(&mut self, command: Command) -> Result<Answer, LinkError> {
+        match self.converse(command)?.0 {
+            Answer::Refused(refusal) => Err(LinkError::Refused(refusal)),
+            answer => Ok(answer),
+        }
+    }
+
+    /// Has a command carried out that has no other answer than that it was.
+    ///
+    /// # Errors
+    ///
+    /// A refusal, or no answer.
+    pub fn tell(&mut self, command: Command) -> Result<(), LinkError> {
+        match self.ask(command)? {
+            Answer::Done => Ok(()),
+            answer => Err(LinkError::Unexpected { command, answer: Box::new(answer) }),
+        }
+    }
+
+    /// How the drive is.
+    ///
+    /// # Errors
+    ///
+    /// A refusal, or no answer.
+    pub fn status(&mut self) -> Result<Status, LinkError> {
+        match self.ask(Command::Status)? {
+            Answer::Status(status) => Ok(status),
+            answer => Err(LinkError::Unexpected { command: Command::Status, answer: Box::new(answer) }),
+        }
+    }
+
+    /// The staged value of a parameter, by its index in the table; at the start of a session that of the law.
+    ///
+    /// # Errors
+    ///
+    /// A refusal, no answer, or a drive with other parameters.
+    pub fn parameter(&mut self, index: u8) -> Result<f32, LinkError> {
+        self.same_table()?;
+        let command = Command::ReadParameter { index };
+        match self.ask(command)? {
+            Answer::Parameter { value } => Ok(value),
+            answer => Err(LinkError::Unexpected { command, answer: Box::new(answer) }),
+        }
+    }
+
+    /// Writes parameters, and makes them those of the law, all or none.
+    ///
+    /// # Errors
+    ///
+    /// A refusal, no answer, or a drive with other parameters.
+    pub fn set_parameters(&mut self, values: &[(u8, f32)]) -> Result<(), LinkError> {
+        self.same_table()?;
+        for (index, value) in values {
+            self.tell(Command::WriteParameter { index: *index, value: *value })?;
+        }
+        self.tell(Command::Apply)
+    }
+
+    fn same_table(&self) -> Result<(), LinkError> {
+        let drive = self.parameters;
+        if usize::from(drive) == TABLE.len() { Ok(()) } else { Err(LinkError::Parameters { drive }) }
+    }
+
+    /// The answer, and how often it was asked for.
+    fn converse(&mut self, command: Command) -> Result<(Answer, u32), LinkError> {
+        let (sequence, packet) = self.client.send(command);
+        let patience = match command {
+            Command::Save => self.persistence.patience.max(SAVE_PATIENCE),
+            _ => self.persistence.patience,
+        };
+        let attempts = self.persistence.attempts.max(1);
+        (self.bytes, self.client.damaged) = (0, 0);
+        for attempt in 1..=attempts {
+            self.stream.write_all(&packet)?;
+            self.stream.flush()?;
+            if let Some(answer) = self.listen(Some((command, sequence)), patience)? {
+                return Ok((answer, attempt));
+            }
+        }
+        Err(LinkError::Silent { command, attempts, bytes: self.bytes, damaged: self.client.damaged })
+    }
+
+    /// Listens until the answer to a command has come, or time is up.
+    fn listen(&mut self, asked: Option<(Command, u32)>, patience: Duration) -> Result<Option<Answer>, LinkError> {
+        let deadline = Instant::now() + patience;
+        let mut buffer = [0; 256];
+        while Instant::now() < deadline {
+            let count = match self.stream.read(&mut buffer) {
+                Ok(0) => return Err(LinkError::Closed),
+                Ok(count) => count,
+                Err(error) => match error.kind() {
+                    ErrorKind::TimedOut | ErrorKind::WouldBlock | ErrorKind::Interrupted => continue,
+                    _ => return Err(error.into()),
+                },
+            };
+            self.bytes += count;
+            let mut found = None;
+            for byte in buffer.iter().take(count) {
+                let Some(reply) = self.client.receive(*byte) else { continue };
+                let is_hello = matches!(reply.answer, Answer::Hello { .. });
+                if asked.is_some_and(|(command, sequence)| {
+                    sequence == reply.sequence && is_hello == (command == Command::Hello)
+                }) {
+                    found = Some(reply.answer);
+                }
+            }
+            if found.is_some() {
+                return Ok(found);
+            }
+        }
+        Ok(None)
+    }
+}
