@@ -2,9 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::effects::Physics;
 use crate::read::{Machine, Recording};
+use crate::refit::model;
 use crate::report::compare::Comparison;
-use crate::simulate::nominal;
 use crate::{Error, output};
 
 /// Flags of `compare`.
@@ -29,11 +30,13 @@ pub fn run(args: &Args) -> Result<(), Error> {
     let machine = Machine::read(&args.machine)?;
     let recordings: Vec<Recording> =
         args.recordings.iter().map(|file| Recording::read(file, Some(machine.axis.kind))).collect::<Result<_, _>>()?;
-    let model = nominal(&machine);
+    let names: Vec<&str> = recordings.iter().map(|recording| recording.name.as_str()).collect();
+    let physics = Physics::of(&machine, &names)?;
     // All of them before the first picture: bad input writes nothing.
     let comparisons: Vec<Comparison> = recordings
         .iter()
-        .map(|recording| Comparison::new(&model, &machine.axis, recording))
+        .enumerate()
+        .map(|(index, recording)| Comparison::new(&model(&physics, index), &machine.axis, recording))
         .collect::<Result<_, _>>()?;
     for (recording, comparison) in recordings.iter().zip(&comparisons) {
         let notes: String = recording.notes().iter().map(|note| format!("note: {note}\n")).collect();

@@ -5,8 +5,9 @@ use std::path::PathBuf;
 use plant::{Er, FieldResponse, FluidResponse, Model};
 
 use crate::Error;
+use crate::effects::Physics;
 use crate::read::{AxisKind, Machine};
-use crate::simulate::nominal;
+use crate::refit::model;
 
 /// Longest delay a flag may ask for, ms; that of machine files.
 const LONGEST_DELAY_MS: f64 = 1000.0;
@@ -58,7 +59,7 @@ impl MachineArgs {
                         "the control law drives a rotary axis; a linear machine can be compared, not simulated";
                     return Err(Error::input(file, None, "axis.kind", message));
                 }
-                (nominal(&machine), machine.controller.unwrap_or_default())
+                (model(&Physics::of(&machine, &[])?, 0), machine.controller.unwrap_or_default())
             }
         };
         if let Some(fluid) = self.fluid {

@@ -126,7 +126,7 @@ impl ClosedLoop {
     pub fn tick(&mut self, reference: Counts) -> Result<Row, Error> {
         let t_s = f64::from(self.tick) / self.ticks_per_s;
         let truth = *self.plant.state();
-        let measured = Counts::from_rad(self.sampler.measure(truth.position));
+        let measured = Counts::from_rad(self.sampler.measure(self.plant.position_at_sensor()));
         let inputs = Inputs {
             resolver: ResolverSample {
                 code: ResolverCode((measured.0 & 0x0fff) as u16),

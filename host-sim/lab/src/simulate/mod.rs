@@ -1,11 +1,9 @@
 //! Third stage: the closed loop of the flashed control law and the plant, and the recording it leaves.
 
 mod closed_loop;
-mod nominal;
 mod scenario;
 mod summary;
 
 pub use closed_loop::{ClosedLoop, Disturbance, Row, Setup, period_s, record, run};
-pub use nominal::nominal;
 pub use scenario::{Positions, Reference, Scenario};
 pub use summary::{StepFigures, Summary};

@@ -6,7 +6,7 @@ use lab::decide::{Request, diagnose};
 use lab::effects::VOCABULARY;
 use lab::read::{Axis, AxisKind, ErNominal, Machine, PlantNominal, Recording};
 use lab::report::Answer;
-use lab::simulate::{Disturbance, Reference, Setup, nominal, record, run};
+use lab::simulate::{Disturbance, Reference, Setup, record, run};
 use plant::Model;
 
 /// The default machine of the specification.
@@ -40,7 +40,7 @@ pub fn recordings(
     torque_noise_nm: f64,
     disturbances: &[Disturbance],
 ) -> Vec<Recording> {
-    let mut model = nominal(&machine(COUNT_RAD));
+    let mut model = lab::refit::model(&lab::effects::Physics::of(&machine(COUNT_RAD), &[]).unwrap(), 0);
     change(&mut model);
     let shapes = [
         Shape::Steps { amplitude_rad: 0.9, dwell_s: 0.5, seed: seed as u32 + 1 },
