@@ -5,12 +5,13 @@
 use std::io::{ErrorKind, Read, Write};
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
-use er_servo::FRAME_SCHEMA;
 use er_servo::link::{Answer, Command, PROTOCOL, Refusal, Status};
-use er_servo::parameters::TABLE;
+use er_servo::parameters::{Parameter, TABLE};
+use er_servo::{Config, Params};
 
 use crate::client::Client;
 use crate::log::Build;
+use crate::parameter::{self, ParameterError};
 
 /// A save erases flash, which takes up to 1.6 s; nothing is answered meanwhile.
 const SAVE_PATIENCE: Duration = Duration::from_secs(3);
@@ -49,8 +50,11 @@ pub enum LinkError {
         drive: u8,
     },
     /// The drive said no.
-    #[error("refused: {0}")]
+    #[error("the drive refused: {0}")]
     Refused(Refusal),
+    /// A parameter that the drive would not take, found before it was sent.
+    #[error(transparent)]
+    Parameter(#[from] ParameterError),
     /// The answer is none to what was asked.
     #[error("{command:?} was answered by {answer:?}")]
     Unexpected {
@@ -79,8 +83,10 @@ pub struct Persistence {
 }
 
 impl Default for Persistence {
+    /// An answer takes a millisecond, and up to 16 more in a USB adapter. Two attempts fit into the 250 ms after which the
+    /// drive takes the link for dead ([`er_servo::link::SILENCE_S`]).
     fn default() -> Self {
-        Self { patience: Duration::from_millis(250), attempts: 4 }
+        Self { patience: Duration::from_millis(100), attempts: 6 }
     }
 }
 
@@ -104,15 +110,15 @@ impl<S: Read + Write> Connection<S> {
     ///
     /// No drive there, or one of another version.
     pub fn open(stream: S, persistence: Persistence) -> Result<Self, LinkError> {
-        // Answers to a client before this one may still be on their way.
+        // Answers to a client before this one may still be on their way. Half the range is left, so as not to wrap.
         let clock = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
-        let client = Client::after(clock.as_millis() as u32);
+        let client = Client::after(clock.as_millis() as u32 & u32::MAX >> 1);
         let mut connection = Self { stream, client, persistence, bytes: 0, build: Build::default(), parameters: 0 };
         let (answer, attempts) = connection.converse(Command::Hello)?;
-        let Answer::Hello { protocol, frame_schema, parameters, build, .. } = answer else {
+        let Answer::Hello { protocol, parameters, build, .. } = answer else {
             return Err(LinkError::Unexpected { command: Command::Hello, answer: Box::new(answer) });
         };
-        if protocol != PROTOCOL || frame_schema != FRAME_SCHEMA {
+        if protocol != PROTOCOL {
             return Err(LinkError::Protocol { drive: protocol });
         }
         (connection.build, connection.parameters) = (build, parameters);
@@ -159,31 +165,61 @@ impl<S: Read + Write> Connection<S> {
         }
     }
 
-    /// The staged value of a parameter, by its index in the table; at the start of a session that of the law.
+    /// The staged value of a parameter, by its name; at the start of a session that of the law.
+    ///
+    /// # Errors
+    ///
+    /// An unknown name, a refusal, no answer, or a drive with other parameters.
+    pub fn parameter(&mut self, name: &str) -> Result<f32, LinkError> {
+        let (index, _) = parameter::find(name)?;
+        self.same_table()?;
+        self.read(index)
+    }
+
+    /// Every staged parameter; at the start of a session those of the law.
     ///
     /// # Errors
     ///
     /// A refusal, no answer, or a drive with other parameters.
-    pub fn parameter(&mut self, index: u8) -> Result<f32, LinkError> {
+    pub fn config(&mut self) -> Result<Config, LinkError> {
         self.same_table()?;
+        let mut config = Config::default();
+        for (index, parameter) in (0..).zip(TABLE) {
+            (parameter.set)(&mut config, self.read(index)?);
+        }
+        Ok(config)
+    }
+
+    /// Writes parameters by name and makes them those of the law, all or none: names, ranges and whether they fit the others
+    /// are checked before the first is sent.
+    ///
+    /// # Errors
+    ///
+    /// A parameter that cannot be, a refusal, no answer, or a drive with other parameters.
+    pub fn set_parameters(&mut self, values: &[(&str, f32)]) -> Result<(), LinkError> {
+        let found = values.iter().map(|(name, value)| {
+            let (index, parameter) = parameter::find(name)?;
+            parameter::check(parameter, *value)?;
+            Ok((index, parameter, *value))
+        });
+        let found: Vec<(u8, &Parameter, f32)> = found.collect::<Result<_, ParameterError>>()?;
+        let mut config = self.config()?;
+        for (_, parameter, value) in &found {
+            (parameter.set)(&mut config, *value);
+        }
+        Params::new(&config).map_err(ParameterError::Combination)?;
+        for (index, _, value) in found {
+            self.tell(Command::WriteParameter { index, value })?;
+        }
+        self.tell(Command::Apply)
+    }
+
+    fn read(&mut self, index: u8) -> Result<f32, LinkError> {
         let command = Command::ReadParameter { index };
         match self.ask(command)? {
             Answer::Parameter { value } => Ok(value),
             answer => Err(LinkError::Unexpected { command, answer: Box::new(answer) }),
         }
-    }
-
-    /// Writes parameters, and makes them those of the law, all or none.
-    ///
-    /// # Errors
-    ///
-    /// A refusal, no answer, or a drive with other parameters.
-    pub fn set_parameters(&mut self, values: &[(u8, f32)]) -> Result<(), LinkError> {
-        self.same_table()?;
-        for (index, value) in values {
-            self.tell(Command::WriteParameter { index: *index, value: *value })?;
-        }
-        self.tell(Command::Apply)
     }
 
     fn same_table(&self) -> Result<(), LinkError> {

@@ -324,7 +324,10 @@ mod tests {
 
     #[test]
     fn the_build_is_read_even_where_the_rest_cannot_be() {
-        assert_eq!(build_in("recording run 7 schema 9 build [1, 2, 3, 4, 5, 6, 7, 8] tick"), Some([1, 2, 3, 4, 5, 6, 7, 8]));
+        assert_eq!(
+            build_in("recording run 7 schema 9 build [1, 2, 3, 4, 5, 6, 7, 8] tick"),
+            Some([1, 2, 3, 4, 5, 6, 7, 8])
+        );
         assert_eq!(build_in("er-servo 0.1.0, build [1, 2, 3, 4, 5, 6, 7, 8]"), None);
     }
 
