@@ -1,16 +1,21 @@
 //! The image's log: defmt frames over RTT, with their strings in the ELF file of the very same image.
 
-use defmt_decoder::{DecodeError, StreamDecoder, Table};
+use defmt_decoder::{DecodeError, Encoding, StreamDecoder, Table};
 use er_servo::parameters::TABLE;
-use er_servo::{Config, FRAME_BYTES, FRAME_SCHEMA, Frame, State};
+use er_servo::{Config, FRAME_SCHEMA, Frame, State};
 use object::{Object, ObjectSection, ObjectSymbol};
+
+mod text;
+mod ticks;
+
+pub use ticks::Ticks;
 
 /// Where in the note the hash begins, and how much of it the image tells.
 const BUILD_ID_AT: usize = 16;
 const BUILD_ID_BYTES: usize = 8;
 
-/// How the message starts that begins a recording.
-const BEGIN: &str = "recording run ";
+/// How the first message after a reset starts.
+const BOOTED: &str = "er-servo ";
 
 /// Which image.
 pub type Build = [u8; BUILD_ID_BYTES];
@@ -46,14 +51,12 @@ pub enum Error {
     },
     /// The layout of the frames is another one.
     #[error("the recording has frames of schema {0}, this tool reads {FRAME_SCHEMA}")]
-    Schema(u8),
-    /// A message of the recording does not hold what it must.
-    #[error("message {at} of the log: {message}")]
-    Message {
-        /// Which, from 1.
-        at: usize,
-        /// What is wrong with it.
-        message: String,
+    Schema(u32),
+    /// The drive has other parameters.
+    #[error("the recording has {count} parameters, this tool knows {}: use the tool of the flashed release", TABLE.len())]
+    Parameters {
+        /// How many.
+        count: usize,
     },
 }
 
@@ -68,8 +71,19 @@ pub enum Entry {
     Frame(Box<Frame>),
     /// The recording was ended.
     End,
-    /// Bytes that are no message: the reader was too slow and lost some.
+    /// Bytes that are no message, or one whose check does not match: the reader was too slow and lost some.
     Damaged,
+}
+
+impl Entry {
+    /// Whether no frame after this one is of the recording before it: it was ended, or the drive was reset.
+    pub fn ends_recording(&self) -> bool {
+        match self {
+            Self::End | Self::Begin(_) => true,
+            Self::Event(text) => text.starts_with(BOOTED),
+            Self::Frame(_) | Self::Damaged => false,
+        }
+    }
 }
 
 /// What a recording begins with.
@@ -94,16 +108,29 @@ pub struct Recording {
     pub begin: Begin,
     /// Its ticks, in order; a tick that was lost is missing.
     pub frames: Vec<Frame>,
-    /// Bytes that were no message in between, occurrences.
+    /// Messages in between that were damaged or of another time, occurrences.
     pub damaged: usize,
+    ticks: Ticks,
+    is_open: bool,
 }
 
 impl Recording {
-    /// Ticks that are missing between the first and the last one that is there.
-    pub fn lost(&self) -> u32 {
-        let first = self.begin.tick;
-        let Some(last) = self.frames.last() else { return 0 };
-        last.seq.wrapping_sub(first).saturating_add(1).saturating_sub(self.frames.len() as u32)
+    fn new(begin: &Begin) -> Self {
+        let ticks = Ticks::from(begin.tick);
+        Self { begin: begin.clone(), frames: Vec::new(), damaged: 0, ticks, is_open: true }
+    }
+
+    /// Ticks that are missing before the last one that is there.
+    pub fn lost(&self) -> u64 {
+        self.ticks.lost
+    }
+
+    fn take(&mut self, entry: &Entry) {
+        match entry {
+            Entry::Frame(frame) if self.ticks.take(frame.seq) => self.frames.push(**frame),
+            Entry::Frame(_) | Entry::Damaged => self.damaged += 1,
+            _ => self.is_open &= !entry.ends_recording(),
+        }
     }
 }
 
@@ -123,6 +150,9 @@ impl Image {
         let table = Table::parse(elf).map_err(|error| Error::Elf(error.to_string()))?;
         let table = table.ok_or_else(|| Error::Elf("it has no defmt strings".to_owned()))?;
         let build = build_of(elf).ok_or_else(|| Error::Elf("it has no build id".to_owned()))?;
+        if table.encoding() != Encoding::Rzcobs {
+            return Err(Error::Elf("its log is not encoded by rzCOBS".to_owned()));
+        }
         Ok(Self { table, build })
     }
 
@@ -135,7 +165,7 @@ impl Image {
     ///
     /// # Errors
     ///
-    /// A log of another image, or a recording that contradicts itself.
+    /// A log of another image.
     pub fn decode(&self, log: &[u8]) -> Result<Vec<Entry>, Error> {
         let mut stream = self.stream();
         let entries = stream.push(log)?;
@@ -145,7 +175,8 @@ impl Image {
 
     /// A decoder of a log that comes in pieces.
     pub fn stream(&self) -> Stream<'_> {
-        Stream { decoder: self.table.new_stream_decoder(), build: self.build, messages: 0, malformed: 0 }
+        let decoder = self.table.new_stream_decoder();
+        Stream { decoder, build: self.build, messages: 0, malformed: 0, unfinished: 0 }
     }
 
     /// Address of the RTT control block on the MCU, for a probe.
@@ -160,6 +191,10 @@ impl Image {
     }
 }
 
+/// Bytes handed to the decoder at a time; its work for a message grows with the bytes that wait behind it.
+const CHUNK_BYTES: usize = 1024;
+/// Bytes without the zero that ends a message after which they are none; the longest is a quarter of this.
+const LONGEST_BYTES: usize = 2048;
 /// Messages of a live log that must have come before it is judged to be another image's.
 const JUDGED_AFTER: usize = 200;
 
@@ -169,6 +204,8 @@ pub struct Stream<'a> {
     build: Build,
     messages: usize,
     malformed: usize,
+    /// Bytes since the last zero.
+    unfinished: usize,
 }
 
 impl Stream<'_> {
@@ -176,23 +213,34 @@ impl Stream<'_> {
     ///
     /// # Errors
     ///
-    /// A log of another image, or a recording that contradicts itself.
+    /// A log of another image.
     pub fn push(&mut self, bytes: &[u8]) -> Result<Vec<Entry>, Error> {
-        self.decoder.received(bytes);
         let mut entries = Vec::new();
+        for chunk in bytes.chunks(CHUNK_BYTES) {
+            self.decoder.received(chunk);
+            self.unfinished = match chunk.iter().rposition(|byte| *byte == 0) {
+                Some(zero) => chunk.len() - zero - 1,
+                None => self.unfinished + chunk.len(),
+            };
+            if self.unfinished > LONGEST_BYTES {
+                self.decoder.received(&[0]);
+                self.unfinished = 0;
+            }
+            self.drain(&mut entries)?;
+        }
+        Ok(entries)
+    }
+
+    fn drain(&mut self, entries: &mut Vec<Entry>) -> Result<(), Error> {
         loop {
             let decoded = self.decoder.decode().map(|message| message.display_message().to_string());
             if matches!(decoded, Err(DecodeError::UnexpectedEof)) {
-                return Ok(entries);
+                return Ok(());
             }
             self.messages += 1;
-            entries.push(match decoded {
-                Ok(text) => self.entry(&text)?.unwrap_or(Entry::Damaged),
-                Err(_) => {
-                    self.malformed += 1;
-                    Entry::Damaged
-                }
-            });
+            let entry = decoded.ok().map(|text| self.entry(&text)).transpose()?.flatten();
+            self.malformed += usize::from(entry.is_none());
+            entries.push(entry.unwrap_or(Entry::Damaged));
             if self.messages >= JUDGED_AFTER {
                 self.judge()?;
             }
@@ -215,81 +263,26 @@ impl Stream<'_> {
 
     fn entry(&self, text: &str) -> Result<Option<Entry>, Error> {
         // Before anything else of a begin is believed: another build may have another number of parameters.
-        if let Some(log) = build_in(text)
+        if let Some(log) = text::build_in(text)
             && log != self.build
         {
             return Err(Error::OtherBuild { log, elf: self.build });
         }
-        entry(text).map_err(|message| Error::Message { at: self.messages, message })
+        text::entry(text)
     }
 }
 
-/// The recordings of a log, in order; frames before the first begin belong to none and are left out.
+/// The recordings of a log, in order; frames that no begin precedes belong to none and are left out.
 pub fn recordings(entries: &[Entry]) -> Vec<Recording> {
     let mut recordings: Vec<Recording> = Vec::new();
     for entry in entries {
-        match (entry, recordings.last_mut()) {
-            (Entry::Begin(begin), _) => {
-                recordings.push(Recording { begin: (**begin).clone(), frames: Vec::new(), damaged: 0 });
-            }
-            (Entry::Frame(frame), Some(recording)) => recording.frames.push(**frame),
-            (Entry::Damaged, Some(recording)) => recording.damaged += 1,
-            _ => {}
+        if let Entry::Begin(begin) = entry {
+            recordings.push(Recording::new(begin));
+        } else if let Some(open) = recordings.last_mut().filter(|recording| recording.is_open) {
+            open.take(entry);
         }
     }
     recordings
-}
-
-/// A message as what it means; a frame that was damaged on the way is `None`.
-fn entry(text: &str) -> Result<Option<Entry>, String> {
-    if let Some(bytes) = text.strip_prefix("frame ") {
-        let bytes: [u8; FRAME_BYTES] =
-            list(bytes)?.try_into().map_err(|bytes: Vec<u8>| format!("a frame of {} bytes", bytes.len()))?;
-        return Ok(Frame::decode(&bytes).ok().map(|frame| Entry::Frame(Box::new(frame))));
-    }
-    if text.starts_with(BEGIN) {
-        return begin(text).map(|begin| Some(Entry::Begin(Box::new(begin))));
-    }
-    Ok(Some(if text == "recording ended" { Entry::End } else { Entry::Event(text.to_owned()) }))
-}
-
-/// The build that the begin of a recording names; none in any other text.
-fn build_in(text: &str) -> Option<Build> {
-    text.starts_with(BEGIN).then(|| list(field(text, "build").ok()?).ok()?.try_into().ok())?
-}
-
-/// What stands behind a name in the begin of a recording.
-fn field<'a>(text: &'a str, name: &str) -> Result<&'a str, String> {
-    let missing = || format!("the begin of the recording has no {name}");
-    let rest = text.split_once(&format!("{name} ")).ok_or_else(missing)?.1;
-    let end = if rest.starts_with('[') { rest.find(']').map(|at| at + 1) } else { rest.find(' ') };
-    rest.get(..end.unwrap_or(rest.len())).ok_or_else(missing)
-}
-
-fn begin(text: &str) -> Result<Begin, String> {
-    let field = |name: &str| field(text, name);
-    let number = |name: &str| field(name)?.parse::<u32>().map_err(|error| format!("{name}: {error}"));
-    let schema = number("schema")?;
-    if schema != u32::from(FRAME_SCHEMA) {
-        return Err(Error::Schema(schema as u8).to_string());
-    }
-    let build = list(field("build")?)?.try_into().map_err(|_| "build: not 8 bytes".to_owned())?;
-    let state = State::decode(&list(field("state")?)?).map_err(|error| error.to_string())?;
-    let values = list(field("parameters")?)?;
-    if values.len() != 4 * TABLE.len() {
-        return Err(format!("{} parameters, this tool knows {}", values.len() / 4, TABLE.len()));
-    }
-    let mut config = Config::default();
-    for (parameter, value) in TABLE.iter().zip(values.as_chunks::<4>().0) {
-        (parameter.set)(&mut config, f32::from_le_bytes(*value));
-    }
-    Ok(Begin { run: number("run")?, build, tick: number("tick")?, state, config })
-}
-
-/// `[1, 2, 3]` as bytes.
-fn list(text: &str) -> Result<Vec<u8>, String> {
-    let inner = text.strip_prefix('[').and_then(|text| text.strip_suffix(']')).ok_or("no list of bytes")?;
-    inner.split(", ").map(|byte| byte.parse::<u8>().map_err(|error| format!("{byte}: {error}"))).collect()
 }
 
 fn build_of(elf: &[u8]) -> Option<Build> {
@@ -305,31 +298,6 @@ fn hex(build: &Build) -> String {
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
-
-    #[test]
-    fn the_begin_of_a_recording_is_read_back() {
-        let config = Config { kp_nm_rad: 300.0, ..Config::default() };
-        let values: Vec<u8> = TABLE.iter().flat_map(|parameter| (parameter.get)(&config).to_le_bytes()).collect();
-        let state = State::running_at(er_servo::Counts(5000));
-        let text = format!(
-            "recording run 7 schema {FRAME_SCHEMA} build [1, 2, 3, 4, 5, 6, 7, 8] tick 99 state {:?} parameters {:?}",
-            state.encode(),
-            values
-        );
-        let read = begin(&text).unwrap();
-        assert_eq!(read, Begin { run: 7, build: [1, 2, 3, 4, 5, 6, 7, 8], tick: 99, state, config });
-        assert!(begin(&text.replace("schema 1", "schema 9")).unwrap_err().contains("schema 9"));
-        assert!(begin(&text[..60]).is_err());
-    }
-
-    #[test]
-    fn the_build_is_read_even_where_the_rest_cannot_be() {
-        assert_eq!(
-            build_in("recording run 7 schema 9 build [1, 2, 3, 4, 5, 6, 7, 8] tick"),
-            Some([1, 2, 3, 4, 5, 6, 7, 8])
-        );
-        assert_eq!(build_in("er-servo 0.1.0, build [1, 2, 3, 4, 5, 6, 7, 8]"), None);
-    }
 
     #[test]
     fn what_is_no_image_is_refused() {
