@@ -32,7 +32,7 @@ pub fn run(args: &Args) -> Result<(), Error> {
     let (elf, log) = (bytes(&args.elf)?, bytes(&args.log)?);
     let runs = runs(&elf, &log).map_err(|message| Error::input(&args.log, None, "", message))?;
     let run = choose(&runs, args)?;
-    let recording = recording(&args.log.display().to_string(), run);
+    let recording = recording(&args.log.display().to_string(), &run.begin, &run.frames);
     match &args.out {
         Some(file) => recording.write(file)?,
         None => output::print(&recording.to_csv()?)?,
