@@ -78,7 +78,7 @@ fn slice(bytes: &[u8]) -> Vec<u8> {
 
 /// Reverse zero-compressing COBS: behind up to 7 bytes a mask of which were zeros and are left out, or behind a longer run
 /// without a zero its length.
-fn message(plain: &[u8]) -> Vec<u8> {
+pub fn message(plain: &[u8]) -> Vec<u8> {
     let (mut out, mut run, mut zeros) = (Vec::new(), 0_u8, 0_u8);
     for byte in plain {
         let is_zero = *byte == 0;
