@@ -1,6 +1,7 @@
 //! The image's log as recordings: the frames of one run, as the drive wrote them.
 
-use er_servo::{Frame, Supervisor};
+use er_servo::parameters::{Parameter, TABLE};
+use er_servo::{Config, Frame, Supervisor};
 use wire::log::{Begin, Entry, Image, Recording as Run, recordings};
 
 use crate::read::{AxisKind, Recording};
@@ -25,6 +26,22 @@ pub fn runs(elf: &[u8], log: &[u8]) -> Result<Vec<Run>, String> {
         return Err(format!("no start of a recording among its {messages} messages, {damaged} of them damaged"));
     }
     Ok(runs)
+}
+
+/// What a replay must be told: the parameters of a run that are not the defaults, one line each, as `[controller]` of a machine
+/// file has them; empty where there are none.
+pub fn other_parameters(config: &Config) -> String {
+    let defaults = Config::default();
+    let others = TABLE.iter().filter(|parameter| (parameter.get)(config) != (parameter.get)(&defaults));
+    others.map(|parameter| format!("{}\n", parameter_line(parameter, config))).collect()
+}
+
+/// A parameter as `[controller]` of a machine file has it.
+pub fn parameter_line(parameter: &Parameter, config: &Config) -> String {
+    match (parameter.get)(config) {
+        value if parameter.unit == "flag" => format!("{} = {}", parameter.name, value != 0.0),
+        value => format!("{} = {value} # {}, {} to {}", parameter.name, parameter.unit, parameter.min, parameter.max),
+    }
 }
 
 /// Frames of a run as a recording. Ticks that were lost are missing rows, with a gap in `seq`, which goes on past the end of

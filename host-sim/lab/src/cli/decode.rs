@@ -2,9 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
+use er_servo::Config;
 use wire::log::Recording as Run;
 
-use crate::decode::{recording, runs};
+use crate::decode::{other_parameters, recording, runs};
 use crate::{Error, output};
 
 /// Flags of `decode`.
@@ -45,7 +46,17 @@ pub fn run(args: &Args) -> Result<(), Error> {
         recording.gaps.len(),
         run.damaged
     );
+    note_parameters(&run.begin.config);
     Ok(())
+}
+
+/// Tells, on standard error, what `replay` cannot know from the recording.
+pub(super) fn note_parameters(config: &Config) {
+    let others = other_parameters(config);
+    if !others.is_empty() {
+        eprintln!("note: for `replay --machine`, the parameters in [controller] that are not the defaults:");
+        eprint!("{others}");
+    }
 }
 
 fn choose<'a>(runs: &'a [Run], args: &Args) -> Result<&'a Run, Error> {

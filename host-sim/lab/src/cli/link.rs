@@ -11,6 +11,7 @@ use er_servo::parameters::{Parameter, TABLE};
 use wire::connection::{Connection, LinkError};
 use wire::parameter::find;
 
+use crate::decode::parameter_line;
 use crate::interrupt::Interrupt;
 use crate::line::{Line, Stream};
 use crate::{Error, output};
@@ -282,13 +283,7 @@ impl Drive {
         let outcome = self.connection.config();
         let config = self.known(outcome)?;
         let is_asked = |parameter: &&Parameter| names.is_empty() || names.iter().any(|name| name == parameter.name);
-        let line = |parameter: &Parameter| {
-            let value = (parameter.get)(&config);
-            if parameter.unit == "flag" {
-                return format!("{} = {}\n", parameter.name, value != 0.0);
-            }
-            format!("{} = {value} # {}, {} to {}\n", parameter.name, parameter.unit, parameter.min, parameter.max)
-        };
+        let line = |parameter: &Parameter| parameter_line(parameter, &config) + "\n";
         output::print(&TABLE.iter().filter(is_asked).map(line).collect::<String>())
     }
 

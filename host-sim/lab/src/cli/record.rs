@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use wire::log::Image;
 
+use super::decode::note_parameters;
 use super::link::seconds;
 use crate::interrupt::Interrupt;
 use crate::output::Growing;
@@ -89,6 +90,7 @@ pub fn run(args: &Args) -> Result<(), Error> {
     let wanted = Wanted { run: args.run, duration: args.for_s };
     let (summary, ended) = record(&image, &args.origin(&elf)?, &wanted, out, &Interrupt::watch()?)?;
     eprintln!("{summary}");
+    note_parameters(&summary.begin.config);
     let reason = match ended {
         Ended::ByDrive => "the drive ended it",
         Ended::Interrupted => "interrupted",

@@ -2,6 +2,7 @@
 
 use std::fs;
 
+use er_servo::{Config, State};
 use lab::decode::runs;
 use rand::rngs::StdRng;
 use rand::{Rng, SeedableRng};
@@ -107,6 +108,31 @@ fn several_runs_are_told_apart() {
 }
 
 #[test]
+fn other_parameters_are_told_so_that_a_machine_file_can_have_them() {
+    let Some((elf, _)) = image_and_log(3, None) else { return };
+    let config = Config { kp_nm_rad: 300.0, hold: !Config::default().hold, ..Config::default() };
+    let encoder = Encoder::of(&elf);
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("image"), &elf).unwrap();
+    fs::write(folder.path().join("rtt.bin"), encoder.begin(1, 0, &State::default(), &config)).unwrap();
+    for command in ["decode --elf image rtt.bin --out rec.csv", "record --elf image rtt.bin --out rec.csv"] {
+        let notes = String::from_utf8(crate::lab(folder.path(), command).stderr).unwrap();
+        assert!(notes.contains("\nkp_nm_rad = 300 # N m/rad, 0 to 5000\n") && notes.contains("\nhold = "), "{notes}");
+        assert_eq!(notes.lines().count(), 4, "{notes}");
+    }
+}
+
+#[test]
+fn a_reset_ends_the_run_before_it() {
+    let Some((elf, log)) = image_and_log(3, None) else { return };
+    let encoder = Encoder::of(&elf);
+    let half = log.iter().enumerate().filter(|(_, byte)| **byte == 0).nth(100).unwrap().0 + 1;
+    let bytes = [&log[..half], &encoder.event("er-servo 0.1.0, build [..]"), &log[half..]].concat();
+    let [run] = &runs(&elf, &bytes).unwrap()[..] else { panic!("not one run") };
+    assert_eq!((run.frames.len(), run.lost(), run.damaged), (99, 0, 0));
+}
+
+#[test]
 fn damage_costs_the_messages_it_hits_and_is_counted() {
     let Some((elf, log)) = image_and_log(3, None) else { return };
     let ends: Vec<usize> = log.iter().enumerate().filter(|(_, byte)| **byte == 0).map(|(at, _)| at).collect();
@@ -139,6 +165,8 @@ const SEED: u64 = 4;
 fn hostile_logs_never_panic() {
     let Some((elf, log)) = image_and_log(3, None) else { return };
     let image = Image::parse(&elf).unwrap();
+    let endless = image.decode(&vec![0x55; 1 << 20]).unwrap_err().to_string();
+    assert!(endless.contains("messages are none of this image"), "{endless}");
     let mut random = StdRng::seed_from_u64(SEED);
     let (mut refused, mut decoded) = (0, 0);
     for case in 0..600 {

@@ -39,7 +39,7 @@ fn every_command_is_carried_out() {
     }
     done(&far, "hold");
     let text = done(&far, "reference --deg -5 --for-s 0.5");
-    assert!(text.starts_with("reference -0.08726") && text.ends_with("; it stays there\n"), "{text}");
+    assert!(text.starts_with("reference -0.087271 rad, position ") && text.ends_with("; it stays there\n"), "{text}");
     assert!(done(&far, "status --json").contains("\"state\": \"running\""));
     assert_eq!(done(&far, "disable"), "stopped\n");
 
