@@ -2,8 +2,7 @@
 //! code has no need of.
 
 use std::fs;
-use std::path::Path;
-use std::process::Command;
+use std::process::{Command, Stdio};
 
 use crate::root;
 use crate::run::{cargo, output, run};
@@ -34,7 +33,17 @@ pub fn bounded() -> Result<(), String> {
     }
     let host = host()?;
     build(&host, None)?;
-    targets()?.iter().try_for_each(|target| fuzz(&host, target, &format!("-runs={RUNS}"), SEED))
+    targets()?.iter().try_for_each(|target| {
+        let mut command = fuzz(&host, target, &format!("-runs={RUNS}"), SEED);
+        let outcome =
+            command.output().map_err(|error| format!("fuzz target {target} could not be started: {error}"))?;
+        if !outcome.status.success() {
+            eprintln!("{}", String::from_utf8_lossy(&outcome.stderr));
+            return Err(format!("fuzz target {target} failed ({}) on the input above", outcome.status));
+        }
+        println!("fuzz target {target}: {RUNS} inputs of seed {SEED}");
+        Ok(())
+    })
 }
 
 /// Runs one target for a time, with inputs that are others each time.
@@ -50,7 +59,7 @@ pub fn for_seconds(target: &str, seconds: u32) -> Result<(), String> {
     let host = host()?;
     build(&host, Some(target))?;
     // 0 has libFuzzer draw the seed, which it prints.
-    fuzz(&host, target, &format!("-max_total_time={seconds}"), 0)
+    run(fuzz(&host, target, &format!("-max_total_time={seconds}"), 0))
 }
 
 fn targets() -> Result<Vec<String>, String> {
@@ -78,12 +87,11 @@ fn build(host: &str, target: Option<&str>) -> Result<(), String> {
     run(command)
 }
 
-fn fuzz(host: &str, target: &str, limit: &str, seed: u32) -> Result<(), String> {
+fn fuzz(host: &str, target: &str, limit: &str, seed: u32) -> Command {
     let folder = root().join("host-sim/fuzz/target");
-    let found = folder.join(format!("{target}-"));
-    println!("fuzz target {target}");
-    let mut command = Command::new(folder.join(Path::new(host)).join("release").join(target));
+    let kept = folder.join(format!("{target}-"));
+    let mut command = Command::new(folder.join(host).join("release").join(target));
     command.arg(limit).arg(format!("-seed={seed}")).arg(format!("-max_len={LONGEST}"));
-    command.arg("-verbosity=0").arg(format!("-artifact_prefix={}", found.display()));
-    run(command)
+    command.arg(format!("-artifact_prefix={}", kept.display())).stdin(Stdio::null());
+    command
 }

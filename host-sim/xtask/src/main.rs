@@ -32,13 +32,14 @@ enum Command {
         #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
         arguments: Vec<String>,
     },
-    /// Fuzzes one target; an input it fails on is kept in `host-sim/fuzz/target`.
+    /// Runs every fuzz target for a bounded number of inputs, or one for a time; an input that fails is kept in
+    /// `host-sim/fuzz/target`.
     Fuzz {
         /// One of `host-sim/fuzz/fuzz_targets`.
         #[arg(long)]
-        target: String,
+        target: Option<String>,
         /// For how long, s.
-        #[arg(long, default_value_t = 60)]
+        #[arg(long, default_value_t = 60, requires = "target")]
         seconds: u32,
     },
     /// Runs every benchmark.
@@ -52,7 +53,8 @@ fn main() -> ExitCode {
         Command::Test => test::all(),
         Command::Firmware => firmware::build().map(|image| image.print()),
         Command::Board { arguments } => firmware::board(&arguments),
-        Command::Fuzz { target, seconds } => fuzz::for_seconds(&target, seconds),
+        Command::Fuzz { target: Some(target), seconds } => fuzz::for_seconds(&target, seconds),
+        Command::Fuzz { target: None, .. } => fuzz::bounded(),
         Command::Bench => test::bench(),
         Command::Golden => test::golden(),
     };
