@@ -9,7 +9,7 @@ use er_servo::Counts;
 use er_servo::link::{BAUD, Command, Status};
 use er_servo::parameters::{Parameter, TABLE};
 use wire::connection::{Connection, LinkError};
-use wire::parameter::find;
+use wire::parameter::{check, find};
 
 use crate::decode::parameter_line;
 use crate::interrupt::Interrupt;
@@ -188,13 +188,13 @@ pub fn run(args: &Args) -> Result<(), Error> {
 impl Action {
     /// What can be known to be wrong without a drive.
     fn check(&self) -> Result<(), Error> {
-        let known = |name: &String| find(name).map(drop).map_err(|error| Error::Usage(error.to_string()));
-        match self {
-            Self::Get { names } => names.iter().try_for_each(known),
-            Self::Set { values } => values.iter().try_for_each(|(name, _)| known(name)),
-            Self::Reference { target, .. } => target.counts().map(drop),
+        let outcome = match self {
+            Self::Get { names } => names.iter().try_for_each(|name| find(name).map(drop)),
+            Self::Set { values } => values.iter().try_for_each(|(name, value)| check(find(name)?.1, *value)),
+            Self::Reference { target, .. } => return target.counts().map(drop),
             _ => Ok(()),
-        }
+        };
+        outcome.map_err(|error| Error::Usage(error.to_string()))
     }
 }
 

@@ -93,6 +93,10 @@ fn nobody_there_exits_with_4() {
         ("link --tcp nonsense status", "nonsense: "),
         ("link --port /dev/no-such-port status", "/dev/no-such-port: "),
     ] {
+        // Checked before the drive is asked.
+        assert!(
+            fails(Path::new(HERE), &line.replace("status", "set hold=2"), 2).contains("hold: 2 flag is not allowed")
+        );
         let said = fails(Path::new(HERE), line, 4);
         assert!(said.contains(message), "{line}: {said}");
     }
@@ -132,6 +136,26 @@ fn a_session_that_falls_silent_is_a_fault_while_the_reference_comes_from_it() {
     assert!(text.contains("state        fault\n             command link lost: reconnect, then clear\n"), "{text}");
     assert!(refused(&far, "enable", 3).contains("a fault is latched"));
     assert_eq!(done(&far, "clear"), "cleared\n");
+}
+
+#[cfg(unix)]
+#[test]
+fn ctrl_c_ends_a_reference_and_leaves_no_drive_on_a_dead_link() {
+    use std::process::{Command, Stdio};
+    let far = Far::start(None);
+    done(&far, "enable");
+    let address = far.link.to_string();
+    let mut command = Command::new(assert_cmd::cargo::cargo_bin("servo-lab"));
+    let child = command.args(["link", "--tcp", &address, "reference", "--deg", "1"]).stdout(Stdio::piped()).spawn();
+    let child = child.unwrap();
+    // More than the drive's patience, which is a second here.
+    thread::sleep(Duration::from_millis(1500));
+    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+    let output = child.wait_with_output().unwrap();
+    assert!(output.status.success());
+    assert!(String::from_utf8(output.stdout).unwrap().ends_with("; it stays there\n"));
+    thread::sleep(Duration::from_millis(1500));
+    assert!(done(&far, "status").starts_with("state        running\n"));
 }
 
 fn packet(session: u32, sequence: u32, command: Command) -> Vec<u8> {
