@@ -20,7 +20,7 @@ use embedded_hal::spi::MODE_1;
 use er_servo::app::{FieldMonitor, Servo, Wiring};
 use er_servo::drivers::ad2s1210::{self, Ad2s1210};
 use er_servo::drivers::dac::{self, Dac, Part};
-use er_servo::link::BAUD;
+use er_servo::link::{BAUD, Offset};
 use er_servo::{Config, Faults, Frame, MonitorCode, Params};
 use heapless::spsc::{Consumer, Producer, Queue};
 use stm32f4xx_hal::adc::Adc;
@@ -40,7 +40,6 @@ use stm32f4xx_hal::watchdog::IndependentWatchdog;
 use super::pin::{In, Out};
 use super::spi::{Device, FastWrites};
 use super::storage::Storage;
-use super::tick::Offset;
 
 /// PC8.
 pub const HV_ENABLE_PIN: u32 = 8;

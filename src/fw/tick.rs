@@ -5,8 +5,8 @@ use core::cell::RefCell;
 use cortex_m::interrupt::Mutex;
 use cortex_m::peripheral::{DWT, NVIC};
 use er_servo::app::{InitError, Orders, Servo};
-use er_servo::link::SILENCE_S;
-use er_servo::{Counts, Faults, Frame, Params, Request, State, Supervisor, Timing};
+use er_servo::link::{Commander, Offset, SILENCE_S};
+use er_servo::{Faults, Frame, Params, State, Supervisor, Timing};
 use heapless::spsc::{Consumer, Producer};
 use stm32f4xx_hal::pac::{self, interrupt};
 use stm32f4xx_hal::prelude::*;
@@ -27,36 +27,14 @@ const SILENT_TICKS: u32 = (SILENCE_S * TICK_HZ as f32) as u32;
 /// Why the chips did not come up.
 pub type HardwareError = InitError<spi::Error, spi::Error>;
 
-/// Where the reference comes from.
-#[derive(Debug)]
-enum Source {
-    /// It stays where it is.
-    Held,
-    /// The link, whose silence is then a fault.
-    Link,
-    /// An experiment, counted from where the reference stood.
-    Experiment { base: Counts },
-}
-
-/// What thread mode computes ahead of the tick: sixteen sines do not belong into an interrupt.
-#[derive(Debug, Clone, Copy)]
-pub enum Offset {
-    /// From where the reference stood, counts.
-    Counts(Counts),
-    /// The experiment is over; the reference stays.
-    End,
-}
-
 /// What the interrupt works on. Thread mode takes it for a few microseconds at a time, with interrupts off.
 pub struct Tick {
     servo: Servo<Hardware>,
     timer: CounterHz<pac::TIM2>,
     frames: Producer<'static, Frame, QUEUE_FRAMES>,
     offsets: Consumer<'static, Offset, QUEUE_OFFSETS>,
-    orders: Orders,
-    source: Source,
-    /// Ticks since the link was heard of.
-    silent_ticks: u32,
+    /// What thread mode wants of the next tick.
+    pub commander: Commander,
     /// Number of the next tick.
     next_seq: u32,
     /// Cycle counter at the begin of the last tick; `None` before the first one and after a pause.
@@ -81,9 +59,7 @@ pub fn start(
         timer,
         frames,
         offsets,
-        orders: Orders { reported: reset_faults, ..Orders::default() },
-        source: Source::Held,
-        silent_ticks: SILENT_TICKS,
+        commander: Commander::new(reset_faults, SILENT_TICKS),
         next_seq: 0,
         began: None,
         worst_cycles: 0,
@@ -121,34 +97,10 @@ fn unmask() {
 }
 
 impl Tick {
-    /// Something valid was heard on the link.
-    pub fn heard(&mut self) {
-        self.silent_ticks = 0;
-    }
-
-    /// Makes a request in the next tick. Clearing also forgets what the last reset was: the user has been told.
-    pub fn request(&mut self, request: Request) {
-        if request == Request::ClearFault {
-            self.orders.reported = Faults::empty();
-        }
-        self.orders.request = request;
-    }
-
-    /// The reference, from the link.
-    pub fn follow(&mut self, reference: Counts) {
-        self.source = Source::Link;
-        self.orders.reference = reference;
-    }
-
     /// Forgets the offsets of an experiment before; the reference stays.
     pub fn end_experiment(&mut self) {
-        self.source = Source::Held;
+        self.commander.hold();
         while self.offsets.dequeue().is_some() {}
-    }
-
-    /// Runs the experiment whose first offsets are in the queue, from where the reference stands.
-    pub fn experiment(&mut self) {
-        self.source = Source::Experiment { base: self.orders.reference };
     }
 
     /// Replaces the parameters; refused while running.
@@ -156,9 +108,9 @@ impl Tick {
         self.servo.set_params(params)
     }
 
-    /// State of the law, the number of the tick that will start from it, and the reference.
-    pub fn now(&self) -> (State, u32, Counts) {
-        (*self.servo.state(), self.next_seq, self.orders.reference)
+    /// State of the law, and the number of the tick that will start from it.
+    pub fn now(&self) -> (State, u32) {
+        (*self.servo.state(), self.next_seq)
     }
 
     /// Brings the chips up; 45 ms, so only while [`paused`].
@@ -175,37 +127,20 @@ impl Tick {
 
         let orders = self.orders(late);
         let mut frame = self.servo.tick(&orders);
-        self.orders.request = Request::None;
         self.next_seq = frame.seq.wrapping_add(1);
 
         let cycles = DWT::cycle_count().wrapping_sub(began);
         self.worst_cycles = self.worst_cycles.max(cycles);
         frame.timing = Timing { cycles, worst_cycles: self.worst_cycles };
         if self.frames.enqueue(frame).is_err() {
-            self.orders.lost = self.orders.lost.saturating_add(1);
+            self.commander.lost_frame();
         }
     }
 
     /// What this tick is told.
     fn orders(&mut self, late: bool) -> Orders {
-        self.silent_ticks = self.silent_ticks.saturating_add(1);
-        self.orders.link_alive = self.silent_ticks < SILENT_TICKS;
-        let state = self.servo.state();
-        if state.supervisor() != Supervisor::Running {
-            // The axis starts where it stands, whatever was asked of it before.
-            self.source = Source::Held;
-            self.orders.reference = state.position();
-        }
-        if let Source::Experiment { base } = self.source {
-            match self.offsets.dequeue() {
-                Some(Offset::Counts(offset)) => self.orders.reference = Counts(base.0.saturating_add(offset.0)),
-                Some(Offset::End) => self.source = Source::Held,
-                // Thread mode is more than 32 ms late: the reference waits for it.
-                None => {}
-            }
-        }
-        self.orders.reference_from_link = matches!(self.source, Source::Link);
-        let mut orders = self.orders;
+        // Without a value thread mode is more than 32 ms late: the reference waits for it.
+        let mut orders = self.commander.orders(self.servo.state(), || self.offsets.dequeue());
         if late {
             orders.reported |= Faults::TICK_OVERRUN;
         }

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-/// Why a command stopped. Every variant is bad input or an output that could not be written; neither panics.
+/// Why a command stopped. None of the reasons is a panic.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// A file that was read is not what it must be.
@@ -28,6 +28,22 @@ pub enum Error {
         /// What the system said.
         reason: String,
     },
+    /// The drive was asked and said no, or did not do it.
+    #[error("{place}: {message}")]
+    Refused {
+        /// Port or address as the user named it.
+        place: String,
+        /// Why, and what to do.
+        message: String,
+    },
+    /// No connection to a drive or a probe, or one that broke.
+    #[error("{place}: {message}")]
+    Connection {
+        /// Port, address or probe as the user named it.
+        place: String,
+        /// What happened, and what to look at.
+        message: String,
+    },
 }
 
 impl Error {
@@ -36,11 +52,19 @@ impl Error {
         Self::Input { file: file.to_path_buf(), line, key: key.to_owned(), message: message.into() }
     }
 
-    /// Process exit code: 2 for input that cannot be read or flags that cannot be followed, 1 for a failed output.
+    /// An error about the connection to `place`.
+    pub fn connection(place: &str, message: impl ToString) -> Self {
+        Self::Connection { place: place.to_owned(), message: message.to_string() }
+    }
+
+    /// Process exit code: 2 for input that cannot be read or flags that cannot be followed, 1 for a failed output, 3 for
+    /// what a drive refused, 4 for no connection.
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::Input { .. } | Self::Usage(_) => 2,
             Self::Output { .. } => 1,
+            Self::Refused { .. } => 3,
+            Self::Connection { .. } => 4,
         }
     }
 }

@@ -18,9 +18,14 @@ impl Client {
         Self::default()
     }
 
+    /// A client whose first sequence number is the next one, so that no answer to another client is taken for its own.
+    pub fn after(sequence: u32) -> Self {
+        Self { sequence, ..Self::default() }
+    }
+
     /// The bytes of a command, and the sequence number its answer will carry.
     pub fn send(&mut self, command: Command) -> (u32, Vec<u8>) {
-        self.sequence += 1;
+        self.sequence = self.sequence.wrapping_add(1);
         let packet = Packet { session: self.session, sequence: self.sequence, command };
         let mut bytes = [0; PACKET_BYTES];
         // Every command fits a packet, as the link's own tests show; an empty one is never answered.
@@ -35,7 +40,6 @@ impl Client {
             Ok(reply) => {
                 if let Answer::Hello { session, .. } = reply.answer {
                     self.session = session;
-                    self.sequence = 0;
                 }
                 Some(reply)
             }

@@ -1,13 +1,21 @@
 //! The image's log: defmt frames over RTT, with their strings in the ELF file of the very same image.
 
-use defmt_decoder::{DecodeError, Table};
+use defmt_decoder::{DecodeError, Encoding, StreamDecoder, Table};
 use er_servo::parameters::TABLE;
-use er_servo::{Config, FRAME_BYTES, FRAME_SCHEMA, Frame, State};
-use object::{Object, ObjectSection};
+use er_servo::{Config, FRAME_SCHEMA, Frame, State};
+use object::{Object, ObjectSection, ObjectSymbol};
+
+mod text;
+mod ticks;
+
+pub use ticks::Ticks;
 
 /// Where in the note the hash begins, and how much of it the image tells.
 const BUILD_ID_AT: usize = 16;
 const BUILD_ID_BYTES: usize = 8;
+
+/// How the first message after a reset starts.
+const BOOTED: &str = "er-servo ";
 
 /// Which image.
 pub type Build = [u8; BUILD_ID_BYTES];
@@ -43,14 +51,12 @@ pub enum Error {
     },
     /// The layout of the frames is another one.
     #[error("the recording has frames of schema {0}, this tool reads {FRAME_SCHEMA}")]
-    Schema(u8),
-    /// A message of the recording does not hold what it must.
-    #[error("message {at} of the log: {message}")]
-    Message {
-        /// Which, from 1.
-        at: usize,
-        /// What is wrong with it.
-        message: String,
+    Schema(u32),
+    /// The drive has other parameters.
+    #[error("the recording has {count} parameters, this tool knows {}: use the tool of the flashed release", TABLE.len())]
+    Parameters {
+        /// How many.
+        count: usize,
     },
 }
 
@@ -65,8 +71,19 @@ pub enum Entry {
     Frame(Box<Frame>),
     /// The recording was ended.
     End,
-    /// Bytes that are no message: the reader was too slow and lost some.
+    /// Bytes that are no message, or one whose check does not match: the reader was too slow and lost some.
     Damaged,
+}
+
+impl Entry {
+    /// Whether no frame after this one is of the recording before it: it was ended, or the drive was reset.
+    pub fn ends_recording(&self) -> bool {
+        match self {
+            Self::End | Self::Begin(_) => true,
+            Self::Event(text) => text.starts_with(BOOTED),
+            Self::Frame(_) | Self::Damaged => false,
+        }
+    }
 }
 
 /// What a recording begins with.
@@ -91,16 +108,29 @@ pub struct Recording {
     pub begin: Begin,
     /// Its ticks, in order; a tick that was lost is missing.
     pub frames: Vec<Frame>,
-    /// Bytes that were no message in between, occurrences.
+    /// Messages in between that were damaged or of another time, occurrences.
     pub damaged: usize,
+    ticks: Ticks,
+    is_open: bool,
 }
 
 impl Recording {
-    /// Ticks that are missing between the first and the last one that is there.
-    pub fn lost(&self) -> u32 {
-        let first = self.begin.tick;
-        let Some(last) = self.frames.last() else { return 0 };
-        last.seq.wrapping_sub(first).saturating_add(1).saturating_sub(self.frames.len() as u32)
+    fn new(begin: &Begin) -> Self {
+        let ticks = Ticks::from(begin.tick);
+        Self { begin: begin.clone(), frames: Vec::new(), damaged: 0, ticks, is_open: true }
+    }
+
+    /// Ticks that are missing before the last one that is there.
+    pub fn lost(&self) -> u64 {
+        self.ticks.lost
+    }
+
+    fn take(&mut self, entry: &Entry) {
+        match entry {
+            Entry::Frame(frame) if self.ticks.take(frame.seq) => self.frames.push(**frame),
+            Entry::Frame(_) | Entry::Damaged => self.damaged += 1,
+            _ => self.is_open &= !entry.ends_recording(),
+        }
     }
 }
 
@@ -120,6 +150,9 @@ impl Image {
         let table = Table::parse(elf).map_err(|error| Error::Elf(error.to_string()))?;
         let table = table.ok_or_else(|| Error::Elf("it has no defmt strings".to_owned()))?;
         let build = build_of(elf).ok_or_else(|| Error::Elf("it has no build id".to_owned()))?;
+        if table.encoding() != Encoding::Rzcobs {
+            return Err(Error::Elf("its log is not encoded by rzCOBS".to_owned()));
+        }
         Ok(Self { table, build })
     }
 
@@ -132,96 +165,124 @@ impl Image {
     ///
     /// # Errors
     ///
-    /// A log of another image, or a recording that contradicts itself.
+    /// A log of another image.
     pub fn decode(&self, log: &[u8]) -> Result<Vec<Entry>, Error> {
-        let mut decoder = self.table.new_stream_decoder();
-        decoder.received(log);
+        let mut stream = self.stream();
+        let entries = stream.push(log)?;
+        stream.finish()?;
+        Ok(entries)
+    }
+
+    /// A decoder of a log that comes in pieces.
+    pub fn stream(&self) -> Stream<'_> {
+        let decoder = self.table.new_stream_decoder();
+        Stream { decoder, build: self.build, messages: 0, malformed: 0, unfinished: 0 }
+    }
+
+    /// Address of the RTT control block on the MCU, for a probe.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Elf`].
+    pub fn rtt_address(elf: &[u8]) -> Result<u64, Error> {
+        let file = object::File::parse(elf).map_err(|error| Error::Elf(error.to_string()))?;
+        let block = file.symbols().find(|symbol| symbol.name() == Ok("_SEGGER_RTT"));
+        block.map(|symbol| symbol.address()).ok_or_else(|| Error::Elf("it has no RTT control block".to_owned()))
+    }
+}
+
+/// Bytes handed to the decoder at a time; its work for a message grows with the bytes that wait behind it.
+const CHUNK_BYTES: usize = 1024;
+/// Bytes without the zero that ends a message after which they are none; the longest is a quarter of this.
+const LONGEST_BYTES: usize = 2048;
+/// Messages of a live log that must have come before it is judged to be another image's.
+const JUDGED_AFTER: usize = 200;
+
+/// Decodes a log as it comes.
+pub struct Stream<'a> {
+    decoder: Box<dyn StreamDecoder + Send + Sync + 'a>,
+    build: Build,
+    messages: usize,
+    malformed: usize,
+    /// Bytes since the last zero.
+    unfinished: usize,
+}
+
+impl Stream<'_> {
+    /// The messages that end in `bytes`.
+    ///
+    /// # Errors
+    ///
+    /// A log of another image.
+    pub fn push(&mut self, bytes: &[u8]) -> Result<Vec<Entry>, Error> {
         let mut entries = Vec::new();
-        let mut malformed = 0;
-        loop {
-            let text = match decoder.decode() {
-                Ok(message) => message.display_message().to_string(),
-                Err(DecodeError::UnexpectedEof) => break,
-                Err(DecodeError::Malformed) => {
-                    malformed += 1;
-                    entries.push(Entry::Damaged);
-                    continue;
-                }
+        for chunk in bytes.chunks(CHUNK_BYTES) {
+            self.decoder.received(chunk);
+            self.unfinished = match chunk.iter().rposition(|byte| *byte == 0) {
+                Some(zero) => chunk.len() - zero - 1,
+                None => self.unfinished + chunk.len(),
             };
-            let entry = entry(&text).map_err(|message| Error::Message { at: entries.len() + 1, message })?;
-            if let Some(Entry::Begin(begin)) = &entry
-                && begin.build != self.build
-            {
-                return Err(Error::OtherBuild { log: begin.build, elf: self.build });
+            if self.unfinished > LONGEST_BYTES {
+                self.decoder.received(&[0]);
+                self.unfinished = 0;
             }
-            entries.push(entry.unwrap_or(Entry::Damaged));
-        }
-        let messages = entries.len();
-        if malformed * 2 > messages {
-            return Err(Error::NotThisImage { malformed, messages });
+            self.drain(&mut entries)?;
         }
         Ok(entries)
     }
+
+    fn drain(&mut self, entries: &mut Vec<Entry>) -> Result<(), Error> {
+        loop {
+            let decoded = self.decoder.decode().map(|message| message.display_message().to_string());
+            if matches!(decoded, Err(DecodeError::UnexpectedEof)) {
+                return Ok(());
+            }
+            self.messages += 1;
+            let entry = decoded.ok().map(|text| self.entry(&text)).transpose()?.flatten();
+            self.malformed += usize::from(entry.is_none());
+            entries.push(entry.unwrap_or(Entry::Damaged));
+            if self.messages >= JUDGED_AFTER {
+                self.judge()?;
+            }
+        }
+    }
+
+    /// Says whether what came was a log of this image at all.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::NotThisImage`].
+    pub fn finish(self) -> Result<(), Error> {
+        self.judge()
+    }
+
+    fn judge(&self) -> Result<(), Error> {
+        let (malformed, messages) = (self.malformed, self.messages);
+        if malformed * 2 > messages { Err(Error::NotThisImage { malformed, messages }) } else { Ok(()) }
+    }
+
+    fn entry(&self, text: &str) -> Result<Option<Entry>, Error> {
+        // Before anything else of a begin is believed: another build may have another number of parameters.
+        if let Some(log) = text::build_in(text)
+            && log != self.build
+        {
+            return Err(Error::OtherBuild { log, elf: self.build });
+        }
+        text::entry(text)
+    }
 }
 
-/// The recordings of a log, in order; frames before the first begin belong to none and are left out.
+/// The recordings of a log, in order; frames that no begin precedes belong to none and are left out.
 pub fn recordings(entries: &[Entry]) -> Vec<Recording> {
     let mut recordings: Vec<Recording> = Vec::new();
     for entry in entries {
-        match (entry, recordings.last_mut()) {
-            (Entry::Begin(begin), _) => {
-                recordings.push(Recording { begin: (**begin).clone(), frames: Vec::new(), damaged: 0 });
-            }
-            (Entry::Frame(frame), Some(recording)) => recording.frames.push(**frame),
-            (Entry::Damaged, Some(recording)) => recording.damaged += 1,
-            _ => {}
+        if let Entry::Begin(begin) = entry {
+            recordings.push(Recording::new(begin));
+        } else if let Some(open) = recordings.last_mut().filter(|recording| recording.is_open) {
+            open.take(entry);
         }
     }
     recordings
-}
-
-/// A message as what it means; a frame that was damaged on the way is `None`.
-fn entry(text: &str) -> Result<Option<Entry>, String> {
-    if let Some(bytes) = text.strip_prefix("frame ") {
-        let bytes: [u8; FRAME_BYTES] =
-            list(bytes)?.try_into().map_err(|bytes: Vec<u8>| format!("a frame of {} bytes", bytes.len()))?;
-        return Ok(Frame::decode(&bytes).ok().map(|frame| Entry::Frame(Box::new(frame))));
-    }
-    if text.starts_with("recording run ") {
-        return begin(text).map(|begin| Some(Entry::Begin(Box::new(begin))));
-    }
-    Ok(Some(if text == "recording ended" { Entry::End } else { Entry::Event(text.to_owned()) }))
-}
-
-fn begin(text: &str) -> Result<Begin, String> {
-    let field = |name: &str| -> Result<&str, String> {
-        let missing = || format!("the begin of the recording has no {name}");
-        let rest = text.split_once(&format!("{name} ")).ok_or_else(missing)?.1;
-        let end = if rest.starts_with('[') { rest.find(']').map(|at| at + 1) } else { rest.find(' ') };
-        rest.get(..end.unwrap_or(rest.len())).ok_or_else(missing)
-    };
-    let number = |name: &str| field(name)?.parse::<u32>().map_err(|error| format!("{name}: {error}"));
-    let schema = number("schema")?;
-    if schema != u32::from(FRAME_SCHEMA) {
-        return Err(Error::Schema(schema as u8).to_string());
-    }
-    let build = list(field("build")?)?.try_into().map_err(|_| "build: not 8 bytes".to_owned())?;
-    let state = State::decode(&list(field("state")?)?).map_err(|error| error.to_string())?;
-    let values = list(field("parameters")?)?;
-    if values.len() != 4 * TABLE.len() {
-        return Err(format!("{} parameters, this tool knows {}", values.len() / 4, TABLE.len()));
-    }
-    let mut config = Config::default();
-    for (parameter, value) in TABLE.iter().zip(values.as_chunks::<4>().0) {
-        (parameter.set)(&mut config, f32::from_le_bytes(*value));
-    }
-    Ok(Begin { run: number("run")?, build, tick: number("tick")?, state, config })
-}
-
-/// `[1, 2, 3]` as bytes.
-fn list(text: &str) -> Result<Vec<u8>, String> {
-    let inner = text.strip_prefix('[').and_then(|text| text.strip_suffix(']')).ok_or("no list of bytes")?;
-    inner.split(", ").map(|byte| byte.parse::<u8>().map_err(|error| format!("{byte}: {error}"))).collect()
 }
 
 fn build_of(elf: &[u8]) -> Option<Build> {
@@ -237,22 +298,6 @@ fn hex(build: &Build) -> String {
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
-
-    #[test]
-    fn the_begin_of_a_recording_is_read_back() {
-        let config = Config { kp_nm_rad: 300.0, ..Config::default() };
-        let values: Vec<u8> = TABLE.iter().flat_map(|parameter| (parameter.get)(&config).to_le_bytes()).collect();
-        let state = State::running_at(er_servo::Counts(5000));
-        let text = format!(
-            "recording run 7 schema {FRAME_SCHEMA} build [1, 2, 3, 4, 5, 6, 7, 8] tick 99 state {:?} parameters {:?}",
-            state.encode(),
-            values
-        );
-        let read = begin(&text).unwrap();
-        assert_eq!(read, Begin { run: 7, build: [1, 2, 3, 4, 5, 6, 7, 8], tick: 99, state, config });
-        assert!(begin(&text.replace("schema 1", "schema 9")).unwrap_err().contains("schema 9"));
-        assert!(begin(&text[..60]).is_err());
-    }
 
     #[test]
     fn what_is_no_image_is_refused() {

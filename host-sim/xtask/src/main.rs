@@ -6,6 +6,7 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand};
 
 mod firmware;
+mod fuzz;
 mod run;
 mod test;
 mod toolchain;
@@ -20,7 +21,8 @@ struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    /// Format, lints as errors, docs, every test, the image and the emulated board; stops at the first failure.
+    /// Format, lints as errors, docs, the image, every test, a bounded run of every fuzz target, the emulated board; stops at the
+    /// first failure.
     Test,
     /// Builds the release image for the STM32F427 and prints what it takes of flash and RAM.
     Firmware,
@@ -29,6 +31,16 @@ enum Command {
         /// What follows goes to the emulated board; `--help` lists it.
         #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
         arguments: Vec<String>,
+    },
+    /// Runs every fuzz target for a bounded number of inputs, or one for a time; an input that fails is kept in
+    /// `host-sim/fuzz/target`.
+    Fuzz {
+        /// One of `host-sim/fuzz/fuzz_targets`.
+        #[arg(long)]
+        target: Option<String>,
+        /// For how long, s.
+        #[arg(long, default_value_t = 60, requires = "target")]
+        seconds: u32,
     },
     /// Runs every benchmark.
     Bench,
@@ -41,6 +53,8 @@ fn main() -> ExitCode {
         Command::Test => test::all(),
         Command::Firmware => firmware::build().map(|image| image.print()),
         Command::Board { arguments } => firmware::board(&arguments),
+        Command::Fuzz { target: Some(target), seconds } => fuzz::for_seconds(&target, seconds),
+        Command::Fuzz { target: None, .. } => fuzz::bounded(),
         Command::Bench => test::bench(),
         Command::Golden => test::golden(),
     };

@@ -4,7 +4,7 @@ use std::process::Command;
 use std::time::Instant;
 
 use crate::run::{cargo, output, run};
-use crate::{firmware, root};
+use crate::{firmware, fuzz, root};
 
 /// Runs every step; one line each with its seconds, and a last line with all of them.
 ///
@@ -24,9 +24,11 @@ pub fn all() -> Result<(), String> {
         command.env("RUSTDOCFLAGS", "-D warnings");
         command
     })?;
+    // Before the tests: those of the log read its strings.
+    steps.step("firmware", || firmware::build().map(|image| image.print()))?;
     steps.cargo("tests", &["test", "--workspace"])?;
     steps.cargo("tests, release", &["test", "--workspace", "--release"])?;
-    steps.step("firmware", || firmware::build().map(|image| image.print()))?;
+    steps.step("fuzz", fuzz::bounded)?;
     let on_board = |arguments: &[&str]| cargo(&board, arguments);
     steps.run("board fmt", on_board(&["fmt", "--check"]))?;
     steps.run("board clippy", {

@@ -2,9 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
+use er_servo::Config;
 use wire::log::Recording as Run;
 
-use crate::decode::{recording, runs};
+use crate::decode::{other_parameters, recording, runs};
 use crate::{Error, output};
 
 /// Flags of `decode`.
@@ -32,7 +33,7 @@ pub fn run(args: &Args) -> Result<(), Error> {
     let (elf, log) = (bytes(&args.elf)?, bytes(&args.log)?);
     let runs = runs(&elf, &log).map_err(|message| Error::input(&args.log, None, "", message))?;
     let run = choose(&runs, args)?;
-    let recording = recording(&args.log.display().to_string(), run);
+    let recording = recording(&args.log.display().to_string(), &run.begin, &run.frames);
     match &args.out {
         Some(file) => recording.write(file)?,
         None => output::print(&recording.to_csv()?)?,
@@ -45,7 +46,17 @@ pub fn run(args: &Args) -> Result<(), Error> {
         recording.gaps.len(),
         run.damaged
     );
+    note_parameters(&run.begin.config);
     Ok(())
+}
+
+/// Tells, on standard error, what `replay` cannot know from the recording.
+pub(super) fn note_parameters(config: &Config) {
+    let others = other_parameters(config);
+    if !others.is_empty() {
+        eprintln!("note: for `replay --machine`, the parameters in [controller] that are not the defaults:");
+        eprint!("{others}");
+    }
 }
 
 fn choose<'a>(runs: &'a [Run], args: &Args) -> Result<&'a Run, Error> {

@@ -4,9 +4,11 @@ mod compare;
 mod decode;
 mod demo;
 mod diagnose;
+mod link;
 mod machine;
 mod prove;
 mod paper;
+mod record;
 mod replay;
 mod simulate;
 mod stability;
@@ -32,6 +34,10 @@ enum Command {
     Compare(compare::Args),
     /// Turn the log of the image (RTT bytes) into a recording.
     Decode(decode::Args),
+    /// Record one run of a drive from the log it sends; the file is whole whenever the recording ends.
+    Record(record::Args),
+    /// Command a drive over its serial link: state, parameters, reference, experiments, recordings.
+    Link(link::Args),
     /// Find what the model leaves out of the recordings, with its parameters, or say that they cannot tell.
     Diagnose(diagnose::Args),
     /// Diagnose machines with concealed effects, blind, and count what was found.
@@ -57,6 +63,8 @@ impl Cli {
             Command::Replay(args) => replay::run(args),
             Command::Compare(args) => compare::run(args),
             Command::Decode(args) => decode::run(args),
+            Command::Record(args) => record::run(args),
+            Command::Link(args) => link::run(args),
             Command::Diagnose(args) => diagnose::run(args),
             Command::Prove(args) => prove::run(args),
             Command::Stability(args) => stability::run(args),

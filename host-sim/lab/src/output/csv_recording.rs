@@ -6,9 +6,20 @@ use crate::read::{Cells, Recording};
 
 /// Writes header and rows; each real number in the fewest digits that read back to the same bits.
 pub(super) fn write(recording: &Recording, to: impl Write) -> io::Result<()> {
+    write_rows(recording, true, to)
+}
+
+/// Writes the rows alone, behind those of an earlier part with the same columns.
+pub(super) fn append(recording: &Recording, to: impl Write) -> io::Result<()> {
+    write_rows(recording, false, to)
+}
+
+fn write_rows(recording: &Recording, with_header: bool, to: impl Write) -> io::Result<()> {
     let columns = recording.columns();
     let mut writer = csv::Writer::from_writer(to);
-    writer.write_record(columns.iter().map(|(name, _)| name))?;
+    if with_header {
+        writer.write_record(columns.iter().map(|(name, _)| name))?;
+    }
     let mut cell = Vec::new();
     for row in 0..recording.rows() {
         for (_, cells) in &columns {

@@ -1,7 +1,10 @@
 //! Outputs appear whole or not at all: each is written to a temporary file in its folder, which then takes its name.
 
 mod csv_recording;
+mod growing;
 mod parquet_recording;
+
+pub use growing::Growing;
 
 use std::ffi::OsStr;
 use std::fs::{self, File, OpenOptions};

@@ -1,0 +1,67 @@
+//! The status of a drive, for a person and for a program.
+
+use er_servo::drivers::ad2s1210;
+use er_servo::link::Status;
+use er_servo::{Counts, Faults, InputFlags, MonitorCode};
+use serde_json::json;
+
+/// Name of the state; in the fault state each cause on a line of its own.
+pub fn state(status: &Status) -> String {
+    let name = ["boot", "ready", "running", "fault"].get(usize::from(status.state)).unwrap_or(&"unknown");
+    let chip = ad2s1210::Faults::from_bits_retain(status.resolver_faults).sentences();
+    let causes = Faults::from_bits_truncate(status.faults).explain().chain(chip);
+    causes.fold((*name).to_owned(), |text, cause| text + "\n" + cause)
+}
+
+/// For a person.
+pub fn text(status: &Status) -> String {
+    let flags = InputFlags::from_bits_truncate(status.flags);
+    let either = |flag, yes, no| if flags.contains(flag) { yes } else { no };
+    let counters = &status.counters;
+    let rows = [
+        ("state", state(status).replace('\n', "\n             ")),
+        ("interlock", either(InputFlags::INTERLOCK_CLOSED, "closed", "open").to_owned()),
+        ("stop", either(InputFlags::STOP_PRESSED, "pressed", "released").to_owned()),
+        ("reference", format!("{:.6} rad", Counts(status.reference).to_rad())),
+        ("position", format!("{:.6} rad", Counts(status.position).to_rad())),
+        ("torque", format!("{:.3} N m", status.torque_nm)),
+        ("field", {
+            let measured = MonitorCode(status.monitor).to_kv_mm();
+            format!("{:.3} kV/mm commanded, {measured:.3} measured", status.field_kv_mm)
+        }),
+        ("tick", format!("{}, worst {} cycles", status.tick, status.worst_cycles)),
+        ("recording", format!("{}, {} frames lost", if status.recording { "runs" } else { "none" }, status.lost)),
+        (
+            "link",
+            format!(
+                "{} packets, {} refused, {} damaged, {} overlong, {} replayed",
+                counters.packets, counters.refused, counters.damaged, counters.overlong, counters.replayed
+            ),
+        ),
+    ];
+    rows.iter().map(|(name, value)| format!("{name:<12} {value}\n")).collect()
+}
+
+/// For a program.
+pub fn json(status: &Status) -> String {
+    let flags = InputFlags::from_bits_truncate(status.flags);
+    let state = state(status);
+    let mut lines = state.lines();
+    let value = json!({
+        "state": lines.next(),
+        "causes": lines.collect::<Vec<_>>(),
+        "interlock_closed": flags.contains(InputFlags::INTERLOCK_CLOSED),
+        "stop_pressed": flags.contains(InputFlags::STOP_PRESSED),
+        "reference_rad": Counts(status.reference).to_rad(),
+        "position_rad": Counts(status.position).to_rad(),
+        "torque_cmd_nm": status.torque_nm,
+        "field_cmd_kv_mm": status.field_kv_mm,
+        "field_meas_kv_mm": MonitorCode(status.monitor).to_kv_mm(),
+        "tick": status.tick,
+        "worst_cycles": status.worst_cycles,
+        "recording": status.recording,
+        "frames_lost": status.lost,
+        "counters": status.counters,
+    });
+    format!("{value:#}\n")
+}

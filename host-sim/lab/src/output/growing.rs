@@ -1,0 +1,66 @@
+//! A recording that is written while it comes in.
+
+use std::fs;
+use std::io::{self, BufWriter};
+use std::path::{Path, PathBuf};
+
+use tempfile::NamedTempFile;
+
+use super::{csv_recording, one_line, temporary_beside};
+use crate::Error;
+use crate::read::Recording;
+
+/// A CSV file that grows under a temporary name and takes its own when it is finished; dropped before, it is gone.
+#[derive(Debug)]
+pub struct Growing {
+    file: PathBuf,
+    target: PathBuf,
+    to: BufWriter<NamedTempFile>,
+    has_header: bool,
+}
+
+impl Growing {
+    /// Begins `file`, which must be, or become, a regular file.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Output`].
+    pub fn create(file: &Path) -> Result<Self, Error> {
+        let begin = || {
+            let target = match fs::metadata(file) {
+                Ok(there) if there.is_file() => fs::canonicalize(file)?,
+                Ok(_) => return Err(io::Error::other("it is there and not a regular file")),
+                Err(_) => file.to_path_buf(),
+            };
+            let to = BufWriter::new(temporary_beside(&target)?);
+            Ok(Self { file: file.to_path_buf(), target, to, has_header: false })
+        };
+        begin().map_err(|error| failed(file, &error))
+    }
+
+    /// Adds the rows of `part`; its columns must be those of the part before.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Output`].
+    pub fn append(&mut self, part: &Recording) -> Result<(), Error> {
+        let write = if self.has_header { csv_recording::append } else { csv_recording::write };
+        self.has_header = true;
+        write(part, &mut self.to).map_err(|error| failed(&self.file, &error))
+    }
+
+    /// Gives the file its name; what stood there before is replaced.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Output`]; what stood there before is untouched then.
+    pub fn finish(self) -> Result<(), Error> {
+        let Self { file, target, to, .. } = self;
+        let temporary = to.into_inner().map_err(|error| failed(&file, error.error()))?;
+        temporary.persist(target).map(drop).map_err(|error| failed(&file, &error.error))
+    }
+}
+
+fn failed(file: &Path, error: &io::Error) -> Error {
+    Error::Output { file: file.to_path_buf(), reason: one_line(&error.to_string()) }
+}

@@ -1,0 +1,480 @@
+//! The drive's side of the command link: every message, sessions, refusals, and bytes that are none of its own.
+#![allow(clippy::unwrap_used, clippy::panic)]
+
+use er_servo::experiment::{Experiment, Sequence, Shape};
+use er_servo::link::{
+    Answer, Command, Counters, Drive, PACKET_BYTES, PROTOCOL, Packet, Receiver, Refusal, Reply, Server, Status, encode,
+};
+use er_servo::storage::StorageError;
+use er_servo::{
+    Config, Counts, Faults, Frame, InputFlags, Inputs, Params, Request, State, Supervisor, Timing, parameters, step,
+};
+use proptest::prelude::*;
+
+/// What the server asked for, and a law that ticks.
+struct Bench {
+    params: Params,
+    state: State,
+    frame: Option<Frame>,
+    flags: InputFlags,
+    tick: u32,
+    stored: Option<Config>,
+    recording: Option<(u32, Config)>,
+    asked: Vec<&'static str>,
+    chips_fail: bool,
+}
+
+impl Bench {
+    fn new() -> Self {
+        Self {
+            params: Params::new(&Config::default()).unwrap(),
+            state: State::default(),
+            frame: None,
+            flags: InputFlags::INTERLOCK_CLOSED,
+            tick: 0,
+            stored: None,
+            recording: None,
+            asked: Vec::new(),
+            chips_fail: false,
+        }
+    }
+
+    /// Ticks with a request and faults from outside.
+    fn ticks(&mut self, count: u32, request: Request, reported: Faults) {
+        for nth in 0..count {
+            let request = if nth == 0 { request } else { Request::None };
+            let inputs = Inputs { flags: self.flags, request, reported, ..Inputs::default() };
+            let outputs = step(&self.params, &mut self.state, &inputs);
+            self.frame = Some(Frame { seq: self.tick, lost: 0, inputs, outputs, timing: Timing::default() });
+            self.tick += 1;
+        }
+    }
+
+    fn ready() -> Self {
+        let mut bench = Self::new();
+        bench.ticks(100, Request::None, Faults::empty());
+        assert_eq!(bench.state.supervisor(), Supervisor::Ready);
+        bench
+    }
+
+    fn running() -> Self {
+        let mut bench = Self::ready();
+        bench.ticks(1, Request::Enable, Faults::empty());
+        assert_eq!(bench.state.supervisor(), Supervisor::Running);
+        bench
+    }
+}
+
+impl Drive for Bench {
+    fn build(&self) -> [u8; 8] {
+        *b"er-servo"
+    }
+
+    fn tick(&self) -> u32 {
+        self.tick
+    }
+
+    fn state(&self) -> State {
+        self.state
+    }
+
+    fn last_frame(&self) -> Option<Frame> {
+        self.frame
+    }
+
+    fn heard(&mut self) {
+        self.asked.push("heard");
+    }
+
+    fn request(&mut self, request: Request) {
+        self.asked.push("request");
+        self.ticks(1, request, Faults::empty());
+    }
+
+    fn follow(&mut self, _: Counts) {
+        self.asked.push("follow");
+    }
+
+    fn hold(&mut self) {
+        self.asked.push("hold");
+    }
+
+    fn run(&mut self, _: Sequence) {
+        self.asked.push("run");
+    }
+
+    fn reinitialise(&mut self) -> Result<(), Refusal> {
+        self.asked.push("reinitialise");
+        if self.chips_fail { Err(Refusal::Hardware) } else { Ok(()) }
+    }
+
+    fn set_params(&mut self, params: Params) -> Result<(), Supervisor> {
+        self.params = params;
+        Ok(())
+    }
+
+    fn load(&mut self) -> Result<Config, StorageError> {
+        self.stored.ok_or(StorageError::Empty)
+    }
+
+    fn save(&mut self, config: &Config) -> Result<(), StorageError> {
+        self.stored = Some(*config);
+        Ok(())
+    }
+
+    fn recording(&self) -> bool {
+        self.recording.is_some()
+    }
+
+    fn start_recording(&mut self, run: u32, config: &Config) {
+        self.recording = Some((run, *config));
+    }
+
+    fn stop_recording(&mut self) {
+        self.recording = None;
+    }
+}
+
+/// A server with an open session, and the drive it acts on.
+struct Linked {
+    server: Server,
+    drive: Bench,
+    session: u32,
+    sequence: u32,
+}
+
+fn bytes(message: &impl serde::Serialize) -> Vec<u8> {
+    encode(message, &mut [0; PACKET_BYTES]).unwrap().to_vec()
+}
+
+impl Linked {
+    fn to(drive: Bench) -> Self {
+        let mut linked = Self { server: Server::new(Config::default()), drive, session: 0, sequence: 0 };
+        linked.hello();
+        linked
+    }
+
+    fn feed(&mut self, bytes: &[u8]) -> Vec<Reply> {
+        bytes.iter().filter_map(|byte| self.server.push(*byte, &mut self.drive)).collect()
+    }
+
+    fn hello(&mut self) {
+        let packet = Packet { session: 0, sequence: 9, command: Command::Hello };
+        match self.feed(&bytes(&packet))[..] {
+            [Reply { sequence: 9, answer: Answer::Hello { session, protocol, build, .. } }] => {
+                assert_eq!((protocol, build), (PROTOCOL, *b"er-servo"));
+                (self.session, self.sequence) = (session, 0);
+            }
+            ref other => panic!("{other:?}"),
+        }
+    }
+
+    fn packet(&mut self, command: Command) -> Packet {
+        self.sequence += 1;
+        Packet { session: self.session, sequence: self.sequence, command }
+    }
+
+    fn ask(&mut self, command: Command) -> Answer {
+        let packet = self.packet(command);
+        match self.feed(&bytes(&packet))[..] {
+            [Reply { sequence, answer }] if sequence == packet.sequence => answer,
+            ref other => panic!("{command:?}: {other:?}"),
+        }
+    }
+
+    fn refused(&mut self, command: Command, refusal: Refusal) {
+        assert_eq!(self.ask(command), Answer::Refused(refusal), "{command:?}");
+    }
+
+    fn done(&mut self, command: Command) {
+        assert_eq!(self.ask(command), Answer::Done, "{command:?}");
+    }
+
+    fn status(&mut self) -> Status {
+        match self.ask(Command::Status) {
+            Answer::Status(status) => status,
+            other => panic!("{other:?}"),
+        }
+    }
+}
+
+fn experiment(amplitude_rad: f32) -> Command {
+    Command::Run(Experiment { shape: Shape::Step { amplitude_rad }, duration_s: 1.0 })
+}
+
+fn any_float() -> impl Strategy<Value = f32> {
+    // Not NaN, which equals nothing; the infinities are in.
+    any::<u32>().prop_map(f32::from_bits).prop_filter("a number", |value| !value.is_nan())
+}
+
+fn any_shape() -> impl Strategy<Value = Shape> {
+    let three = || (any_float(), any_float(), any_float());
+    prop_oneof![
+        any_float().prop_map(|amplitude_rad| Shape::Step { amplitude_rad }),
+        (any_float(), any_float(), any::<u32>()).prop_map(|(amplitude_rad, dwell_s, seed)| Shape::Steps {
+            amplitude_rad,
+            dwell_s,
+            seed
+        }),
+        (three(), any::<u8>()).prop_map(|((amplitude_rad, low_hz, high_hz), tones)| Shape::Multisine {
+            amplitude_rad,
+            low_hz,
+            high_hz,
+            tones
+        }),
+        three().prop_map(|(amplitude_rad, from_hz, to_hz)| Shape::Chirp { amplitude_rad, from_hz, to_hz }),
+        (any_float(), any_float()).prop_map(|(speed_rad_s, travel_rad)| Shape::Ramp { speed_rad_s, travel_rad }),
+    ]
+}
+
+fn any_command() -> impl Strategy<Value = Command> {
+    use Command::*;
+    prop_oneof![
+        Just(Hello),
+        Just(Enable),
+        Just(Disable),
+        Just(ClearFault),
+        any::<i32>().prop_map(|counts| Reference { counts }),
+        Just(Hold),
+        (any_shape(), any_float()).prop_map(|(shape, duration_s)| Run(Experiment { shape, duration_s })),
+        any::<u8>().prop_map(|index| ReadParameter { index }),
+        (any::<u8>(), any_float()).prop_map(|(index, value)| WriteParameter { index, value }),
+        Just(Apply),
+        Just(Defaults),
+        Just(Load),
+        Just(Save),
+        any::<u32>().prop_map(|run| StartRecording { run }),
+        Just(StopRecording),
+        Just(Status),
+    ]
+}
+
+prop_compose! {
+    fn any_packet()(session: u32, sequence: u32, command in any_command()) -> Packet {
+        Packet { session, sequence, command }
+    }
+}
+
+prop_compose! {
+    fn any_status()(
+        words: [u32; 9], position: i32, reference: i32, torque_nm in any_float(), field_kv_mm in any_float(),
+        halves: [u16; 3], bytes: [u8; 3], recording: bool,
+    ) -> Status {
+        let [tick, worst_cycles, packets, damaged, overlong, replayed, refused, ..] = words;
+        let counters = Counters { packets, damaged, overlong, replayed, refused };
+        let ([faults, monitor, lost], [state, resolver_faults, flags]) = (halves, bytes);
+        Status {
+            tick, state, faults, resolver_faults, flags, position, reference, torque_nm, field_kv_mm, monitor,
+            worst_cycles, lost, recording, counters,
+        }
+    }
+}
+
+fn any_answer() -> impl Strategy<Value = Answer> {
+    let refusals = [
+        Refusal::Session,
+        Refusal::NotRunning,
+        Refusal::Running,
+        Refusal::Recording,
+        Refusal::Index,
+        Refusal::Value,
+        Refusal::NothingStored,
+        Refusal::Storage,
+        Refusal::Hardware,
+        Refusal::Booting,
+        Refusal::Fault,
+        Refusal::NoFault,
+        Refusal::InterlockOpen,
+        Refusal::StopPressed,
+    ];
+    prop_oneof![
+        (any::<u32>(), any::<u16>(), any::<u8>(), any::<u8>(), any::<[u8; 8]>()).prop_map(
+            |(session, protocol, frame_schema, parameters, build)| Answer::Hello {
+                session,
+                protocol,
+                frame_schema,
+                parameters,
+                build
+            }
+        ),
+        Just(Answer::Done),
+        proptest::sample::select(refusals.to_vec()).prop_map(Answer::Refused),
+        any_float().prop_map(|value| Answer::Parameter { value }),
+        any_status().prop_map(Answer::Status),
+    ]
+}
+
+fn received<T: for<'de> serde::Deserialize<'de>>(bytes: &[u8]) -> Option<T> {
+    let mut receiver = Receiver::default();
+    bytes.iter().find_map(|byte| receiver.push(*byte)?.ok())
+}
+
+/// Runs of bytes that a zero ends: what the server can see of them.
+fn runs(bytes: &[u8]) -> u32 {
+    bytes.split_inclusive(|byte| *byte == 0).filter(|run| run.len() > 1 && run.ends_with(&[0])).count() as u32
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(1000))]
+
+    #[test]
+    fn every_message_goes_through(packet in any_packet(), sequence: u32, answer in any_answer()) {
+        prop_assert_eq!(received::<Packet>(&bytes(&packet)), Some(packet));
+        let reply = Reply { sequence, answer };
+        prop_assert_eq!(received::<Reply>(&bytes(&reply)), Some(reply));
+    }
+
+    #[test]
+    fn any_bytes_are_counted_and_carry_nothing_out(noise in proptest::collection::vec(any::<u8>(), 0..2000)) {
+        let mut linked = Linked::to(Bench::running());
+        let asked = linked.drive.asked.len();
+        prop_assert!(linked.feed(&noise).is_empty());
+        let counters = linked.server.counters();
+        prop_assert_eq!(counters.damaged + counters.overlong, runs(&noise));
+        prop_assert_eq!(linked.drive.asked.len(), asked);
+        // And what follows is understood.
+        linked.feed(&[0]);
+        linked.done(Command::Disable);
+    }
+
+    #[test]
+    fn damaged_packets_carry_nothing_out(
+        command in any_command(), flips in proptest::collection::vec((0..PACKET_BYTES, 1..=255_u8), 1..4), cut in 0..2_usize,
+    ) {
+        let mut linked = Linked::to(Bench::running());
+        let good = bytes(&linked.packet(command));
+        let mut bad = good.clone();
+        for (at, flip) in flips {
+            let at = at % (bad.len() - 1);
+            bad[at] ^= flip;
+        }
+        bad.drain(..cut);
+        prop_assume!(bad != good);
+        linked.drive.asked.clear();
+        bad.push(0);
+        prop_assert!(linked.feed(&bad).is_empty());
+        let counters = linked.server.counters();
+        prop_assert_eq!(counters.damaged + counters.overlong, runs(&bad));
+        prop_assert!(linked.drive.asked.is_empty());
+    }
+
+    #[test]
+    fn any_commands_whatever_leave_parameters_the_law_accepts(
+        commands in proptest::collection::vec(any_command(), 1..60), state in 0..3,
+    ) {
+        let mut linked = Linked::to(match state { 0 => Bench::new(), 1 => Bench::ready(), _ => Bench::running() });
+        for command in commands {
+            if command == Command::Hello { linked.hello() } else { linked.ask(command); }
+            linked.drive.ticks(1, Request::None, Faults::empty());
+            prop_assert!(!linked.drive.state.supervisor().faults().contains(Faults::PARAMETERS));
+            if let Some(stored) = linked.drive.stored {
+                prop_assert!(Params::new(&stored).is_ok());
+            }
+        }
+    }
+}
+
+#[test]
+fn a_packet_sent_again_is_answered_again_and_not_carried_out_again() {
+    let mut linked = Linked::to(Bench::ready());
+    let packet = bytes(&linked.packet(Command::StartRecording { run: 5 }));
+    let first = linked.feed(&packet);
+    linked.drive.asked.clear();
+    assert_eq!(linked.feed(&packet), first);
+    assert_eq!(first[0].answer, Answer::Done);
+    assert!(linked.drive.asked.is_empty(), "a replay does not keep the link alive");
+    // Once the host has gone on, the packet is of the past.
+    linked.status();
+    assert_eq!(linked.feed(&packet), []);
+    assert_eq!((linked.server.counters().packets, linked.server.counters().replayed), (2, 2));
+}
+
+#[test]
+fn packets_of_an_earlier_session_are_refused() {
+    let mut linked = Linked::to(Bench::ready());
+    let old = bytes(&linked.packet(Command::Enable));
+    let before = linked.session;
+    linked.hello();
+    assert!(linked.session > before);
+    assert_eq!(linked.feed(&old)[0].answer, Answer::Refused(Refusal::Session));
+    assert_eq!((linked.server.counters().replayed, linked.drive.asked.len()), (1, 0));
+}
+
+#[test]
+fn without_a_session_nothing_is_carried_out() {
+    let mut linked = Linked { server: Server::new(Config::default()), drive: Bench::ready(), session: 0, sequence: 0 };
+    linked.refused(Command::Enable, Refusal::Session);
+    assert!(linked.drive.asked.is_empty());
+}
+
+#[test]
+fn refusals_say_why() {
+    let mut booting = Linked::to(Bench::new());
+    booting.refused(Command::Enable, Refusal::Booting);
+    booting.refused(Command::Status, Refusal::Booting);
+
+    let mut ready = Linked::to(Bench::ready());
+    ready.refused(Command::ClearFault, Refusal::NoFault);
+    for command in [Command::Reference { counts: 1 }, Command::Hold, experiment(0.1)] {
+        ready.refused(command, Refusal::NotRunning);
+    }
+    ready.refused(experiment(100.0), Refusal::Value);
+    ready.refused(Command::Load, Refusal::NothingStored);
+    ready.drive.flags = InputFlags::empty();
+    ready.drive.ticks(1, Request::None, Faults::empty());
+    ready.refused(Command::Enable, Refusal::InterlockOpen);
+    ready.drive.flags = InputFlags::INTERLOCK_CLOSED | InputFlags::STOP_PRESSED;
+    ready.drive.ticks(1, Request::None, Faults::empty());
+    ready.refused(Command::Enable, Refusal::StopPressed);
+
+    let mut running = Linked::to(Bench::running());
+    running.refused(Command::Apply, Refusal::Running);
+    running.refused(Command::Save, Refusal::Running);
+    assert_eq!(running.status().counters.refused, 2);
+
+    let mut faulty = Linked::to(Bench::ready());
+    faulty.drive.ticks(1, Request::None, Faults::OUTPUT_BUS);
+    faulty.refused(Command::Enable, Refusal::Fault);
+    faulty.drive.chips_fail = true;
+    faulty.refused(Command::ClearFault, Refusal::Hardware);
+    faulty.drive.chips_fail = false;
+    faulty.done(Command::ClearFault);
+    assert_eq!(faulty.status().state, 0);
+}
+
+#[test]
+fn parameters_act_when_applied_and_a_new_session_forgets_what_was_staged() {
+    let mut linked = Linked::to(Bench::ready());
+    let kp = parameters::TABLE.iter().position(|parameter| parameter.name == "kp_nm_rad").unwrap() as u8;
+    let default = Answer::Parameter { value: Config::default().kp_nm_rad };
+    linked.refused(Command::WriteParameter { index: kp, value: -1.0 }, Refusal::Value);
+    linked.refused(Command::WriteParameter { index: kp, value: f32::NAN }, Refusal::Value);
+    linked.refused(Command::WriteParameter { index: 200, value: 1.0 }, Refusal::Index);
+    linked.refused(Command::ReadParameter { index: 200 }, Refusal::Index);
+    linked.done(Command::WriteParameter { index: kp, value: 300.0 });
+    linked.hello();
+    assert_eq!(linked.ask(Command::ReadParameter { index: kp }), default, "not applied: forgotten");
+
+    linked.done(Command::WriteParameter { index: kp, value: 300.0 });
+    linked.done(Command::Apply);
+    linked.done(Command::Save);
+    let applied = Config { kp_nm_rad: 300.0, ..Config::default() };
+    assert_eq!(linked.drive.params, Params::new(&applied).unwrap());
+    linked.done(Command::Defaults);
+    linked.done(Command::Apply);
+    linked.done(Command::Load);
+    linked.done(Command::Apply);
+    assert_eq!(linked.drive.params, Params::new(&applied).unwrap());
+}
+
+#[test]
+fn a_recording_knows_its_run_and_forbids_other_parameters() {
+    let mut linked = Linked::to(Bench::ready());
+    linked.done(Command::StartRecording { run: 7 });
+    assert_eq!(linked.drive.recording, Some((7, Config::default())));
+    linked.refused(Command::StartRecording { run: 8 }, Refusal::Recording);
+    linked.refused(Command::Apply, Refusal::Recording);
+    assert!(linked.status().recording);
+    linked.done(Command::StopRecording);
+    linked.done(Command::Apply);
+}
