@@ -40,6 +40,11 @@ pub struct Diagnosis {
 /// percentile (diagnosis.md).
 const EXPLAINS: f64 = 0.85;
 
+/// A substitute can come close where the effect is large. What is left far above the noise, in mean squares of it,
+const FAR: f64 = 3.0;
+/// is only the roughness of a real machine if it is this small a share of what there was.
+const WHOLE: f64 = 0.98;
+
 /// An effect that lowers the held-out error by less does not make the whole answer uncertain where it has equivalents.
 const MINOR: f64 = 0.1;
 
@@ -108,7 +113,8 @@ fn decide(
     let explains = explained(outcome.nominal.sse, fit.sse, fit.residual_count());
     // Far above the noise is something, even where no channel of state predicts it.
     let structured = left.excess > 2.5 || left.gain >= MIN_GAIN && left.excess > 1.5;
-    let verdict = if fit.active.is_empty() && structured || !fit.active.is_empty() && explains < EXPLAINS {
+    let short = explains < EXPLAINS || explains < WHOLE && left.excess > FAR;
+    let verdict = if fit.active.is_empty() && structured || !fit.active.is_empty() && short {
         Verdict::Unknown
     } else if effects.is_empty() {
         Verdict::None

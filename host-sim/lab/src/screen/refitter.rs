@@ -28,10 +28,11 @@ impl<'a> Refitter<'a> {
     /// Each effect that fits on top of a set, at their common optimum.
     pub fn each_on(&self, active: &[Active], vocabulary: &[&'static Effect]) -> Vec<(&'static Effect, Fit)> {
         let base = self.fit(active);
+        let known = self.search.fitter().base(&base);
         let open = vocabulary.par_iter().copied().filter(|effect| {
             !base.active.iter().any(|entry| conflicts(entry.effect, effect)) && !full(&base.active, effect)
         });
-        open.filter_map(|effect| self.search.attempt(&base, effect).map(|(fit, _)| (effect, fit))).collect()
+        open.filter_map(|effect| self.search.attempt(&base, &known, effect).map(|(fit, _)| (effect, fit))).collect()
     }
 
     /// p-value of the last effects of `fit` on top of `base`, uncorrected.

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::candidates::{excitation, orders_left};
-use super::fit::{Fit, Fitter};
+use super::fit::{Base, Fit, Fitter};
 use super::judge::{MIN_GAIN, Trial, p_value, paired_t, relative_t, worse};
 use super::noise::weights;
 use super::problem::{Active, Problem};
@@ -15,6 +15,8 @@ const MAX_EFFECTS: usize = 4;
 const MAX_ENTRIES: usize = 7;
 /// Start values that are fitted to the end.
 const FINALISTS: usize = 2;
+/// A start whose first step leaves more than this share of the squares is not worth a fit to the end.
+const HOPELESS: f64 = 0.985;
 /// Iterations of a fit.
 pub(super) const ITERATIONS: usize = 12;
 
@@ -115,35 +117,33 @@ impl<'a> Search<'a> {
     }
 
     /// The best values of an effect on top of a model.
-    pub(super) fn attempt(&self, base: &Fit, effect: &'static Effect) -> Option<(Fit, usize)> {
+    pub(super) fn attempt(&self, base: &Fit, known: &Base, effect: &'static Effect) -> Option<(Fit, usize)> {
         let machine = self.problem.machine(&base.active);
         if !(effect.applies)(&machine, &self.excitation) {
             return None;
         }
         let fitter = self.fitter();
-        let known = fitter.base(base);
-        let mut starts: Vec<Active> = (effect.starts)(&machine, &self.excitation)
+        let with = |entry: &Active| [base.active.as_slice(), std::slice::from_ref(entry)].concat();
+        let mut glimpsed: Vec<(f64, Active)> = (effect.starts)(&machine, &self.excitation)
             .into_iter()
             .map(|values| {
                 let ranges = effect.ranges(values.len(), &self.problem.nominal, &self.excitation);
                 Active { effect, values, ranges }
             })
             .filter(|entry| !duplicate(&base.active, entry))
+            .filter_map(|entry| {
+                let (sse, mut reached) = fitter.glimpse(&with(&entry), known);
+                reached.pop().map(|entry| (sse, entry))
+            })
             .collect();
-        let variants = starts.len();
-        let with = |entry: &Active| [base.active.as_slice(), std::slice::from_ref(entry)].concat();
-        if starts.len() > FINALISTS {
-            let mut scored: Vec<(f64, Active)> = starts
-                .iter()
-                .filter_map(|entry| {
-                    let (sse, mut reached) = fitter.glimpse(&with(entry), &known);
-                    reached.pop().map(|entry| (sse, entry))
-                })
-                .collect();
-            scored.sort_by(|a, b| a.0.total_cmp(&b.0));
-            starts = scored.into_iter().take(FINALISTS).map(|(_, entry)| entry).collect();
-        }
-        let fits = starts.iter().map(|entry| fitter.fit_on(&with(entry), ITERATIONS, &known));
+        let variants = glimpsed.len();
+        glimpsed.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let (finalists, iterations) = match glimpsed.first() {
+            Some((sse, _)) if *sse > HOPELESS * base.sse => (1, 2),
+            _ => (FINALISTS, ITERATIONS),
+        };
+        let finalists = glimpsed.iter().take(finalists);
+        let fits = finalists.map(|(_, entry)| fitter.fit_on(&with(entry), iterations, known));
         let best = fits.min_by(|a, b| a.sse.total_cmp(&b.sse))?;
         Some((best, variants))
     }
@@ -186,10 +186,11 @@ impl<'a> Search<'a> {
                 !base.active.iter().any(|entry| conflicts(entry.effect, effect)) && !full(&base.active, effect)
             })
             .collect();
+        let known = self.fitter().base(base);
         let fitted: Vec<(&'static Effect, Fit, usize)> = open
             .par_iter()
             .filter_map(|&effect| {
-                let (fit, variants) = self.attempt(base, effect)?;
+                let (fit, variants) = self.attempt(base, &known, effect)?;
                 let fit = if effect.id == "cogging" { self.more_orders(base, fit, effect) } else { fit };
                 Some((effect, fit, variants))
             })
@@ -284,6 +285,7 @@ impl<'a> Search<'a> {
         let mut rest = fit.active.clone();
         let out = rest.remove(index);
         let base = self.fitter().fit(&rest, ITERATIONS);
+        let known = self.fitter().base(&base);
         let open: Vec<&'static Effect> = seen
             .iter()
             .filter(|trial| trial.gain > MIN_GAIN)
@@ -292,7 +294,7 @@ impl<'a> Search<'a> {
             .filter(|effect| !rest.iter().any(|entry| conflicts(entry.effect, effect)))
             .take(4)
             .collect();
-        open.par_iter().filter_map(|&effect| self.attempt(&base, effect)).map(|(fit, _)| fit).collect()
+        open.par_iter().filter_map(|&effect| self.attempt(&base, &known, effect)).map(|(fit, _)| fit).collect()
     }
 
     /// Drops members that the held-out blocks do not miss.
