@@ -9,8 +9,8 @@ use crate::residual::{Channel, Map, Residual};
 
 /// Bins of a map; windows are shared out evenly.
 const BINS: usize = 16;
-/// Bins of the map over time: a second each in a recording of eight.
-const TIME_BINS: usize = 8;
+/// Bins of the map over time: a second each, within these bounds.
+const TIME_BINS: (usize, usize) = (8, 60);
 /// Windows nearer than this are not taken as independent, s.
 const BLOCK_S: f64 = 1.0;
 /// The same within a bin of the map over time, which holds one stretch and not many: four windows, s.
@@ -65,7 +65,10 @@ pub(super) fn all(
     });
     let each = (0..recordings.len()).filter_map(|index| {
         let title = format!("Over the time of {}", recordings[index].name);
-        MapPlot::new(title, "time (s)".to_owned(), y_label.clone(), of(index, Channel::Time), TIME_BINS)
+        let points = of(index, Channel::Time);
+        let duration_s = points.last()?.x - points.first()?.x;
+        let bins = (duration_s.round() as usize).clamp(TIME_BINS.0, TIME_BINS.1);
+        MapPlot::new(title, "time (s)".to_owned(), y_label.clone(), points, bins)
     });
     everything.chain(each).collect()
 }
