@@ -7,7 +7,7 @@ use crate::Error;
 use crate::decide::{Request, diagnose};
 use crate::effects::{self, Effect};
 use crate::read::{Machine, Recording};
-use crate::report::html::{Machines, PlotData, page};
+use crate::report::html::{PlotData, page};
 use crate::{output, report};
 
 /// Flags of `diagnose`.
@@ -72,8 +72,7 @@ pub fn run(args: &Args) -> Result<(), Error> {
         }
     }
     if let Some(file) = &args.html {
-        let machines = Machines { nominal: &diagnosis.nominal, improved: &diagnosis.improved };
-        let plot = PlotData::new(machines, &recordings, &holdout, &diagnosis.answer)?;
+        let plot = PlotData::new(&diagnosis, &recordings, &holdout)?;
         output::write_text(file, &page(&machine.name, &diagnosis.answer, &plot)?)?;
     }
     if let Some(file) = &args.write_model {

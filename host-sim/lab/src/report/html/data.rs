@@ -3,12 +3,11 @@
 use serde::Serialize;
 
 use super::maps::{self, MapPlot};
-use super::thin;
+use super::{thin, windows};
 use crate::Error;
-use crate::effects::Physics;
+use crate::decide::Diagnosis;
 use crate::read::Recording;
-use crate::refit::Windows;
-use crate::report::{Answer, Units, Verdict};
+use crate::report::{Units, Verdict};
 use crate::residual::Residual;
 
 /// Rows drawn of all recordings together: a page of some 2 MB that a browser zooms without delay.
@@ -59,36 +58,18 @@ pub(super) struct Samples {
     pub at: Vec<Option<i64>>,
 }
 
-/// The two models of a diagnosis.
-#[derive(Debug, Clone, Copy)]
-pub struct Machines<'a> {
-    /// As the machine file has it.
-    pub nominal: &'a Physics,
-    /// With the effects of the answer.
-    pub improved: &'a Physics,
-}
-
 impl PlotData {
-    /// Simulates both models over all recordings in the windows that the answer reports.
+    /// Simulates the nominal and the improved machine of a diagnosis over its recordings, in the order in which it had them.
     ///
     /// # Errors
     /// A recording too short for one window, or a machine that cannot be simulated.
-    pub fn new(
-        machines: Machines<'_>,
-        recordings: &[Recording],
-        holdout: &[Recording],
-        answer: &Answer,
-    ) -> Result<Self, Error> {
-        let run = |physics: &Physics| -> Result<Vec<Residual>, Error> {
-            let fitted = Windows::new(physics, recordings, 0)?.residuals;
-            let predicted = Windows::new(physics, holdout, recordings.len())?.residuals;
-            Ok(fitted.into_iter().chain(predicted).collect())
-        };
+    pub fn new(diagnosis: &Diagnosis, recordings: &[Recording], holdout: &[Recording]) -> Result<Self, Error> {
+        let answer = &diagnosis.answer;
         let files: Vec<&Recording> = recordings.iter().chain(holdout).collect();
         // Where the controller is wrong, or nothing is missing, there is no improved model to show.
         let physics = !answer.effects.is_empty() && answer.verdict != Verdict::Controller;
-        let before = run(machines.nominal)?;
-        let after = if physics { Some(run(machines.improved)?) } else { None };
+        let before = windows::all(&diagnosis.nominal, &files)?;
+        let after = if physics { Some(windows::all(&diagnosis.improved, &files)?) } else { None };
         let units = Units::of(files.first().map_or(crate::read::AxisKind::Rotary, |recording| recording.axis));
         let (prefix, factor) = prefix(largest(&before));
         let most = (ROWS / files.len().max(1)).max(ROWS_OF_ONE);

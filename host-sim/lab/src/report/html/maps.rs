@@ -7,10 +7,10 @@ use crate::read::Recording;
 use crate::report::Units;
 use crate::residual::{Channel, Map, Residual};
 
-/// Bins of a map; windows are shared out evenly.
+/// Bins of a map, at most; windows are shared out evenly.
 const BINS: usize = 16;
-/// Bins of the map over time: a second each in a recording of eight.
-const TIME_BINS: usize = 8;
+/// Bins of the map over time: a second each, within these bounds.
+const TIME_BINS: (usize, usize) = (8, 60);
 /// Windows nearer than this are not taken as independent, s.
 const BLOCK_S: f64 = 1.0;
 /// The same within a bin of the map over time, which holds one stretch and not many: four windows, s.
@@ -65,7 +65,10 @@ pub(super) fn all(
     });
     let each = (0..recordings.len()).filter_map(|index| {
         let title = format!("Over the time of {}", recordings[index].name);
-        MapPlot::new(title, "time (s)".to_owned(), y_label.clone(), of(index, Channel::Time), TIME_BINS)
+        let points = of(index, Channel::Time);
+        let duration_s = points.last()?.x - points.first()?.x;
+        let bins = (duration_s.round() as usize).clamp(TIME_BINS.0, TIME_BINS.1);
+        MapPlot::new(title, "time (s)".to_owned(), y_label.clone(), points, bins)
     });
     everything.chain(each).collect()
 }
@@ -99,14 +102,32 @@ impl MapPlot {
         if points.len() < 4 * count || range <= 1e-9 {
             return None;
         }
-        let bins: Vec<&[Point]> =
-            (0..count).map(|bin| &points[bin * points.len() / count..(bin + 1) * points.len() / count]).collect();
-        let x: Vec<f64> =
-            bins.iter().map(|bin| bin.iter().map(|point| point.x).sum::<f64>() / bin.len() as f64).collect();
+        let bins = bins(&points, count, range / (4.0 * count as f64));
+        let x: Vec<f64> = bins.iter().map(|bin| mean_x(bin)).collect();
         let before = Band::new(&bins, |point| point.before);
         let after = points[0].after.is_some().then(|| Band::new(&bins, |point| point.after.unwrap_or(f64::NAN)));
         Some(Self { title, x_label, y_label, x, before, after })
     }
+}
+
+/// Sorted points in `count` bins of as many each; bins whose means lie nearer than `apart` are one. A machine that rests
+/// half of the time would otherwise fill half of the bins at one place, a spike on the screen.
+fn bins(points: &[Point], count: usize, apart: f64) -> Vec<&[Point]> {
+    let edge = |bin: usize| bin * points.len() / count;
+    let mut starts: Vec<usize> = Vec::with_capacity(count);
+    for bin in 0..count {
+        let here = mean_x(&points[edge(bin)..edge(bin + 1)]);
+        let near = starts.last().is_some_and(|start| here - mean_x(&points[*start..edge(bin)]) < apart);
+        if !near {
+            starts.push(edge(bin));
+        }
+    }
+    let ends = starts.iter().skip(1).copied().chain([points.len()]);
+    starts.iter().zip(ends).map(|(start, end)| &points[*start..end]).collect()
+}
+
+fn mean_x(bin: &[Point]) -> f64 {
+    bin.iter().map(|point| point.x).sum::<f64>() / bin.len() as f64
 }
 
 impl Band {
@@ -140,6 +161,14 @@ fn mean_and_half(bin: &[Point], torque: &impl Fn(&Point) -> f64) -> (f64, Option
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
+
+    #[test]
+    fn bins_at_one_place_are_one() {
+        let at = |x: f64| Point { x, block: (0, 0), before: 0.0, after: None };
+        let resting = [-8.0, -4.0, 0.0, 0.0, 0.001, 0.002, 4.0, 8.0].map(at);
+        let sizes: Vec<usize> = bins(&resting, 8, 0.5).iter().map(|bin| bin.len()).collect();
+        assert_eq!(sizes, [1, 1, 4, 1, 1]);
+    }
 
     #[test]
     fn windows_of_one_block_count_once() {

@@ -7,9 +7,10 @@ mod sections;
 #[cfg(test)]
 mod tests;
 mod thin;
+mod windows;
 mod words;
 
-pub use data::{Machines, PlotData};
+pub use data::PlotData;
 use maps::{Band, MapPlot};
 
 use crate::Error;

@@ -2,7 +2,8 @@
 
 use super::data::prefix;
 use super::escape::text;
-use super::words::{estimate, interval, number, p_value, title};
+use super::windows::WINDOW_S;
+use super::words::{estimate, interval, number, p_value, per_cent_explained, title};
 use super::{MapPlot, PlotData};
 use crate::report::{Answer, EffectAnswer, ResidualMap};
 
@@ -24,11 +25,11 @@ fn effect(effect: &EffectAnswer) -> String {
         table("Values in the improved model", &["parameter", "value", "95 % interval", "unit"], rows.collect());
     let evidence = &effect.evidence;
     let because = format!(
-        "<p class=\"quiet\">Held-out error {:.1} % less with it; p {} after correction for everything tried; removes \
-         {:.0} % of the excess over the noise.</p>",
+        "<p class=\"quiet\">Held-out error {:.1} % less with it; p {} after correction for everything tried; removes {} % of \
+         the excess over the noise.</p>",
         100.0 * evidence.heldout_gain,
         text(&p_value(evidence.p_value)),
-        100.0 * evidence.excess_explained
+        text(&per_cent_explained(evidence.excess_explained))
     );
     let others: Vec<String> = effect.equivalent.iter().map(|id| format!("<code>{}</code>", text(id))).collect();
     let others = if others.is_empty() {
@@ -61,10 +62,10 @@ pub(super) fn fit(answer: &Answer) -> String {
     let caption = format!("Recorded less simulated position, rms in {unit}, windows of {:.0} ms", 1e3 * fit.horizon_s);
     let table = table(&caption, &["data", "nominal", "improved", "less"], rows);
     let floor = format!(
-        "<p class=\"quiet\">Noise alone would leave {} {}. The improved model explains {:.0} % of the excess over it.</p>",
+        "<p class=\"quiet\">Noise alone would leave {} {}. The improved model explains {} % of the excess over it.</p>",
         number(fit.noise_floor_rms * factor, 0.0),
         text(&unit),
-        100.0 * fit.excess_explained
+        text(&per_cent_explained(fit.excess_explained))
     );
     section("fit", "How well it fits", &format!("{table}{floor}"))
 }
@@ -89,8 +90,9 @@ pub(super) fn curves(plot: &PlotData) -> String {
     });
     let body = format!(
         "<p class=\"quiet\">Drag over a stretch to zoom, double-click for the whole; point for values; a name in the legend \
-         hides its curve. The models run in windows of 50 ms, each from its best start; shaded spans are those of the \
-         table below.</p>{}",
+         hides its curve. The models run in windows of {:.0} ms, each from its best start, so a residual that repeats at \
+         that period is a steady error and no vibration; shaded spans are those of the table below.</p>{}",
+        1e3 * WINDOW_S,
         each.collect::<String>()
     );
     section("curves", "Recorded, nominal and improved", &body)
@@ -143,11 +145,12 @@ pub(super) fn maps(answer: &Answer, plot: &PlotData) -> String {
         return String::new();
     }
     let body = format!(
-        "<p class=\"quiet\">Mean residual {} ({}) of the windows of 50 ms, with its 95 % band: stretches of one second count \
+        "<p class=\"quiet\">Mean residual {} ({}) of the windows of {:.0} ms, with its 95 % band: stretches of one second count \
          once, of 0.2 s over time. What the improved model takes away lies between the two.</p><div \
          class=\"grid\">{each}</div>{left}",
         text(plot.effort_name),
-        text(plot.effort_unit)
+        text(plot.effort_unit),
+        1e3 * WINDOW_S
     );
     section("maps", &format!("Residual {} over state and time", plot.effort_name), &body)
 }

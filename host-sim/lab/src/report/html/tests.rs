@@ -104,7 +104,7 @@ fn written(verdict: Verdict) -> String {
 fn the_page_says_the_answer() {
     let page = written(Verdict::Named);
     for part in [
-        "The model lacks coulomb friction (0.9501 N m)",
+        "The model lacks coulomb friction (0.9501\u{a0}N\u{a0}m)",
         "on data the fit never saw is 75 % less",
         "0.9482 to 0.9523",
         "What was rejected",

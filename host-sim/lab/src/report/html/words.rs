@@ -11,7 +11,8 @@ pub(super) fn sentence(answer: &Answer) -> String {
     match answer.verdict {
         Verdict::None => "Nothing is missing from the model beyond the noise of these recordings.".to_owned(),
         Verdict::Named => {
-            format!("The model lacks {found}; with it, the error on data the fit never saw is {fall:.0} % less.")
+            let it = if answer.effects.len() > 1 { "them" } else { "it" };
+            format!("The model lacks {found}; with {it}, the error on data the fit never saw is {fall:.0} % less.")
         }
         Verdict::Ambiguous => {
             format!("The model lacks {found}: something is missing, and these recordings cannot tell which it is.")
@@ -21,8 +22,8 @@ pub(super) fn sentence(answer: &Answer) -> String {
         }
         Verdict::Unknown => format!(
             "Something is missing from the model, and nothing in the vocabulary explains it; {found} comes nearest, with \
-             {:.0} % of the excess over the noise.",
-            100.0 * fit.excess_explained
+             {} % of the excess over the noise.",
+            per_cent_explained(fit.excess_explained)
         ),
         Verdict::Controller => {
             "The recorded commands are not what this control law computes, so no physics is named.".to_owned()
@@ -32,13 +33,16 @@ pub(super) fn sentence(answer: &Answer) -> String {
 
 /// An effect with its first value and what it may be instead.
 fn named(effect: &EffectAnswer) -> String {
-    let values: Vec<String> =
-        effect.parameters.iter().map(|value| format!("{} {}", estimate(value), value.unit)).collect();
-    let values: Vec<&str> = values.iter().map(|value| value.trim_end()).collect();
+    let values: Vec<String> = effect.parameters.iter().map(|value| with_unit(&estimate(value), &value.unit)).collect();
     let values = if values.is_empty() { String::new() } else { format!(" ({})", values.join(", ")) };
     let others: Vec<String> = effect.equivalent.iter().map(|id| title(id)).collect();
     let others = if others.is_empty() { String::new() } else { format!(" or {}", others.join(" or ")) };
     format!("{}{values}{others}", title(&effect.id))
+}
+
+/// A value and its unit, which no line break may part.
+fn with_unit(value: &str, unit: &str) -> String {
+    format!("{value} {unit}").trim_end().replace(' ', "\u{a0}")
 }
 
 /// An identifier as words.
@@ -80,6 +84,12 @@ pub(super) fn number(value: f64, width: f64) -> String {
     format!("{value:.decimals$}")
 }
 
+/// A share of the excess in per cent, never rounded up to the whole of it.
+pub(super) fn per_cent_explained(share: f64) -> String {
+    let per_cent = 100.0 * share;
+    if per_cent < 99.0 { format!("{per_cent:.0}") } else { format!("{}", (10.0 * per_cent).floor() / 10.0) }
+}
+
 /// A p value; what cannot be told from zero is said to be small.
 pub(super) fn p_value(p: f64) -> String {
     if p < 1e-12 { "< 1e-12".to_owned() } else { format!("{p:.1e}") }
@@ -97,6 +107,11 @@ mod tests {
         assert_eq!(number(0.0, 0.0), "0");
         assert_eq!(number(2.5e-7, 4e-9), "2.500e-7");
         assert_eq!(number(f64::INFINITY, 1.0), "unbounded");
+    }
+
+    #[test]
+    fn only_the_whole_excess_is_all_of_it() {
+        assert_eq!([0.5, 0.9996, 1.0].map(per_cent_explained), ["50", "99.9", "100"]);
     }
 
     #[test]
