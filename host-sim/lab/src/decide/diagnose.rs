@@ -263,14 +263,17 @@ fn fit_answer(
     improved: &Physics,
 ) -> Result<FitAnswer, Error> {
     let fitted = request.recordings;
-    let (before, after) = (Windows::new(nominal, fitted, 0)?.rms(), Windows::new(improved, fitted, 0)?.rms());
-    let first = fitted.len();
+    let resolution = request.machine.axis.resolution;
+    let rms = |physics, recordings, first| {
+        Windows::new(physics, recordings, first, resolution, HORIZON_S).map(|windows| windows.rms())
+    };
+    let (before, after) = (rms(nominal, fitted, 0)?, rms(improved, fitted, 0)?);
     let (heldout_before, heldout_after) = if request.holdout.is_empty() {
         let share = |fit: &Fit| (fit.heldout_sse() / fit.sse.max(1e-300)).sqrt();
         (before * share(&outcome.nominal), after * share(&outcome.fit))
     } else {
-        let rms = |physics| Windows::new(physics, request.holdout, first).map(|windows| windows.rms());
-        (rms(nominal)?, rms(improved)?)
+        let first = fitted.len();
+        (rms(nominal, request.holdout, first)?, rms(improved, request.holdout, first)?)
     };
     let floor = outcome.fit.residual_count();
     let unit = if request.machine.axis.kind == AxisKind::Linear { "m" } else { "rad" };

@@ -13,6 +13,8 @@ mod smoother;
 mod weak;
 
 pub use fit::Fit;
+pub(crate) use balance::damper;
+pub(crate) use fit::{bounded_step, moved, places, solve_near};
 pub use motion::Motion;
 pub use problem::{Active, Problem};
 pub use search::{MAX_P, MIN_GAIN, Outcome, Refitter, Search, Trial, worse};
