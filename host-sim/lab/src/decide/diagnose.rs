@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::controller::mismatch;
-use super::{Covariance, equivalents, intervals};
+use super::{Refined, equivalents, intervals};
 use crate::Error;
 use crate::effects::{Effect, Physics};
 use crate::locate::{Leftover, leftover, locations, regions, residual_map};
@@ -57,12 +57,15 @@ pub fn diagnose(request: &Request<'_>) -> Result<Diagnosis, Error> {
         return Err(Error::Usage(format!("{}: {message}", names.join(", "))));
     }
     let fit = &outcome.fit;
-    let improved = problem.machine(&fit.active);
+    let inflation = Refitter::new(&problem, &outcome).inflation(fit);
+    let resolution = request.machine.axis.resolution;
+    let refined = Refined::new(&problem, request.recordings, fit, inflation, resolution, &mut warnings);
+    let improved = problem.machine(&refined.active);
     let controller = request.machine.controller.as_ref().and_then(|law| mismatch(law, &files, &mut warnings));
     let left = leftover(&problem, fit, axis);
     let (verdict, effects) = match controller {
         Some(answer) => (Verdict::Controller, vec![answer]),
-        None => decide(request, &problem, &outcome, &left),
+        None => decide(request, &problem, &outcome, &refined, &left),
     };
     warn(&problem, fit, &left, verdict, &mut warnings);
     let map =
@@ -105,13 +108,13 @@ fn decide(
     request: &Request<'_>,
     problem: &Problem,
     outcome: &Outcome,
+    refined: &Refined,
     left: &Leftover,
 ) -> (Verdict, Vec<EffectAnswer>) {
     let fit = &outcome.fit;
     let refitter = Refitter::new(problem, outcome);
-    let covariance = Covariance::new(problem, fit, refitter.inflation(fit));
     let mut effects: Vec<EffectAnswer> = (0..fit.active.len())
-        .map(|index| effect_answer(request, problem, &refitter, outcome, &covariance, index))
+        .map(|index| effect_answer(request, problem, &refitter, outcome, refined, index))
         .collect();
     effects.extend(glitches(request, problem));
     effects.sort_by(|a, b| b.evidence.heldout_gain.total_cmp(&a.evidence.heldout_gain));
@@ -224,7 +227,7 @@ fn effect_answer(
     problem: &Problem,
     refitter: &Refitter<'_>,
     outcome: &Outcome,
-    covariance: &Covariance,
+    refined: &Refined,
     index: usize,
 ) -> EffectAnswer {
     let fit = &outcome.fit;
@@ -240,7 +243,7 @@ fn effect_answer(
     };
     let axis = request.machine.axis.kind;
     let names = vocabulary::effect(entry.effect.id).map_or(&[] as &[vocabulary::Parameter], |kind| kind.parameters);
-    let values = intervals(fit, covariance, index);
+    let values = intervals(&refined.active, &refined.covariance, index);
     let parameters = parameters(names, &values, axis);
     let recording = (entry.effect.id == "disturbance_pulse")
         .then(|| problem.motions.get(entry.values[0] as usize).map(|motion| motion.name.clone()))

@@ -3,6 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
+use crate::refit::TimeFit;
 use crate::screen::{Active, Fit, Problem};
 
 /// Covariance of the free values of a fit.
@@ -13,24 +14,36 @@ pub struct Covariance {
 }
 
 impl Covariance {
-    /// Scores are summed over blocks, so that what is correlated within one counts once; where few blocks inform a value,
-    /// the homoscedastic estimate with the correlation of neighbours is wider and is taken.
+    /// Of a fit in the weak form.
     pub fn new(problem: &Problem, fit: &Fit, inflation: f64) -> Self {
         let count = fit.freedom();
         let normal = fit.jacobian.tr_mul(&fit.jacobian);
-        let inverse = scaled_inverse(&normal);
         let mut scores = vec![DVector::<f64>::zeros(count); problem.blocks];
         for (index, equation) in problem.equations.iter().enumerate() {
             scores[equation.block] += fit.jacobian.row(index).transpose() * fit.residual[index];
         }
+        let variance = fit.sse / (fit.residual.len() as f64 - count as f64).max(1.0);
+        Self::from_scores(&normal, &scores, variance * inflation)
+    }
+
+    /// Of a fit in the time domain, whose whitened residuals do not share their noise.
+    pub fn of_time(fit: &TimeFit) -> Self {
+        let variance = fit.sse / (fit.freedom - fit.normal.nrows() as f64).max(1.0);
+        Self::from_scores(&fit.normal, &fit.scores, variance)
+    }
+
+    /// Scores (derivatives by residual) are summed over blocks, so that what is correlated within one counts once; where
+    /// few blocks inform a value, the homoscedastic estimate for a variance of each residual is wider and is taken.
+    fn from_scores(normal: &DMatrix<f64>, scores: &[DVector<f64>], variance: f64) -> Self {
+        let count = normal.nrows();
+        let inverse = scaled_inverse(normal);
         let used = scores.iter().filter(|score| score.norm_squared() > 0.0).count().max(2) as f64;
         let mut middle = DMatrix::<f64>::zeros(count, count);
-        for score in &scores {
+        for score in scores {
             middle += score * score.transpose();
         }
         let clustered = &inverse * middle * &inverse * (used / (used - 1.0));
-        let variance = fit.sse / (fit.residual.len() as f64 - count as f64).max(1.0);
-        let plain = &inverse * variance * inflation;
+        let plain = &inverse * variance;
         let matrix = DMatrix::from_fn(count, count, |r, c| {
             let (wide_r, wide_c) = (widening(&clustered, &plain, r), widening(&clustered, &plain, c));
             clustered[(r, c)] * wide_r * wide_c
@@ -55,10 +68,10 @@ fn scaled_inverse(normal: &DMatrix<f64>) -> DMatrix<f64> {
     DMatrix::from_fn(count, count, |r, c| inverse[(r, c)] * scale[r] * scale[c])
 }
 
-/// Reported values of one effect of a fit with the half-widths of their 95 % intervals.
-pub fn intervals(fit: &Fit, covariance: &Covariance, index: usize) -> Vec<(f64, f64)> {
-    let entry = &fit.active[index];
-    let first: usize = fit.active[..index].iter().map(|other| other.effect.freedom(&other.values)).sum();
+/// Reported values of one effect of a model with the half-widths of their 95 % intervals.
+pub fn intervals(active: &[Active], covariance: &Covariance, index: usize) -> Vec<(f64, f64)> {
+    let entry = &active[index];
+    let first: usize = active[..index].iter().map(|other| other.effect.freedom(&other.values)).sum();
     let reported = (entry.effect.report)(&entry.values);
     let slopes = slopes(entry, reported.len());
     let free = slopes.ncols();

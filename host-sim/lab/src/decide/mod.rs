@@ -4,7 +4,9 @@ mod controller;
 mod diagnose;
 mod equivalents;
 mod intervals;
+mod refined;
 
 pub use diagnose::{Diagnosis, Request, diagnose};
 pub use equivalents::equivalents;
 pub use intervals::{Covariance, intervals};
+pub use refined::Refined;
