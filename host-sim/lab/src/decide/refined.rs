@@ -48,7 +48,7 @@ impl Refined {
                 eprintln!("   {:?} TD {:?} weak {:?}", t.active[i].effect, super::intervals(&t.active, &c, i), super::intervals(&fit.active, &w, i));
             }
         }
-        match TimeFit::new(problem, recordings, &fit.active, resolution) {
+        match r {
             Ok(time) if time.far <= FAR && time.sse <= time.start_sse => {
                 Self { active: time.active.clone(), covariance: Covariance::of_time(&time), time: Some(time) }
             }

@@ -79,6 +79,18 @@ impl TimeFit {
             point = descend(&gauge, first, count)?;
         }
         let slopes = gauge.slopes(&point, true)?;
+        if std::env::var("TRACE").is_ok() {
+            eprintln!("noise {:?}", noises(&gauge, &point, resolution));
+            let mut order: Vec<usize> = (0..point.shots.len()).collect();
+            order.sort_by(|a, b| point.shots[*b].loss.total_cmp(&point.shots[*a].loss));
+            for &i in order.iter().take(8) {
+                let (s, shot) = (&gauge.tracks.spans[i], &point.shots[i]);
+                let m = &problem.motions[s.track];
+                eprintln!("  {} {:.3} loss {:.0} weight {:.3} moves {:.2} start {:?} speed {:.4} {:.4} rms {:.2e} grad/sqrt(n) {:?}", s.track, m.t_s[s.start], shot.loss, shot.weight,
+                    if s.moves {1.0} else {0.0}, shot.start, m.speed[s.start], m.speed[s.end-1],
+                    (shot.residual.iter().map(|r| r*r).sum::<f64>() / shot.residual.len() as f64).sqrt(), (0..count).map(|k| slopes[i].gradient[k] / slopes.iter().map(|s| s.normal[(k,k)]).sum::<f64>().sqrt()).collect::<Vec<_>>());
+            }
+        }
         Ok(Self::of(&gauge, point, &slopes, start_sse, count))
     }
 
@@ -126,8 +138,12 @@ fn noises(gauge: &Gauge<'_>, point: &Point, resolution: f64) -> Vec<Noise> {
             let of = |moving: bool| -> Vec<Sample<'_>> {
                 let pairs = gauge.tracks.spans.iter().zip(&point.shots);
                 pairs
-                    .filter(|(span, _)| span.track == track && (!moving || span.cells.moves.iter().all(|moves| *moves)))
-                    .map(|(span, shot)| Sample { cells: &span.cells, residual: &shot.residual, weight: shot.weight })
+                    .filter(|(span, _)| span.track == track && (!moving || span.moves))
+                    .map(|(span, shot)| Sample {
+                        t_s: &gauge.tracks.tracks[track].t_s[span.start..span.end],
+                        residual: &shot.residual,
+                        weight: shot.weight,
+                    })
                     .collect()
             };
             let moving = of(true);

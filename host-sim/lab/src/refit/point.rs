@@ -3,6 +3,7 @@
 use nalgebra::{DMatrix, DVector, Matrix2, Vector2};
 use rayon::prelude::*;
 
+use super::windows::HORIZON_S;
 use super::track::{Machine, Span, Tracks, knows_where};
 use crate::screen::{Active, Problem, moved, places};
 
@@ -156,7 +157,7 @@ impl Gauge<'_> {
         for (neighbour, &step) in neighbours.iter().zip(steps) {
             columns.push(difference(neighbour, shot.start, step)?);
         }
-        columns.iter_mut().for_each(|column| span.whitener.apply(&span.cells, column));
+        columns.iter_mut().for_each(|column| span.whitener.apply(column));
         Ok(columns)
     }
 
@@ -173,7 +174,7 @@ impl Gauge<'_> {
         let shots = each.map(|((span, shot), slopes)| {
             let change = slopes.start_step(step);
             let follows = self.shot(span, &machines, [shot.start[0] + change[0], shot.start[1] + change[1]])?;
-            if follows.loss <= shot.loss + 1.0 {
+            if follows.loss <= shot.loss {
                 return Ok(follows);
             }
             let stays = self.shot(span, &machines, shot.start)?;
@@ -222,7 +223,7 @@ impl Gauge<'_> {
 
 fn judged(span: &Span, start: [f64; 2], residual: Vec<f64>) -> Shot {
     let mut white = residual.clone();
-    span.whitener.apply(&span.cells, &mut white);
+    span.whitener.apply(&mut white);
     let (loss, weight) = robust(white.iter().map(|r| r * r).sum(), span.freedom());
     Shot { start, residual, loss, weight }
 }
@@ -230,13 +231,12 @@ fn judged(span: &Span, start: [f64; 2], residual: Vec<f64>) -> Shot {
 /// Products of a window's columns with each other and with the residual, the start state eliminated.
 fn products(span: &Span, shot: &Shot, columns: &[Vec<f64>]) -> Slopes {
     let mut white = shot.residual.clone();
-    span.whitener.apply(&span.cells, &mut white);
+    span.whitener.apply(&mut white);
     let dot = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
     let count = columns.len() - 2;
     let mut own = Matrix2::from_fn(|r, c| dot(&columns[r], &columns[c]));
     // Where the speed makes no difference, as the model sticks at once, it stays.
-    let span_s: f64 = span.cells.span_s.iter().sum();
-    own[(1, 1)] += own[(0, 0)].max(1e-300) * (1e-6 * span_s).powi(2);
+    own[(1, 1)] += own[(0, 0)].max(1e-300) * (1e-6 * HORIZON_S).powi(2);
     let own = own.try_inverse().unwrap_or_else(Matrix2::zeros);
     let cross = DMatrix::from_fn(2, count, |r, c| dot(&columns[r], &columns[2 + c]));
     let pull = Vector2::from_fn(|r, _| dot(&columns[r], &white));

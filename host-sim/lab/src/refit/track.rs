@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::model;
 use super::observer::{Observer, remembers};
-use super::whiten::{Cells, Noise, Whitener};
+use super::whiten::{Noise, Whitener};
 use super::windows::{HORIZON_S, SETTLE_S};
 use crate::effects::Physics;
 use crate::read::Recording;
@@ -32,7 +32,8 @@ pub(super) struct Span {
     pub end: usize,
     /// Of the problem that the search solved.
     pub block: usize,
-    pub cells: Cells,
+    /// Whether the rotor moves from one end to the other.
+    pub moves: bool,
     pub whitener: Whitener,
     /// Position and speed of the smoothed motion at the first row.
     pub guess: [f64; 2],
@@ -87,7 +88,10 @@ impl Tracks {
 
     /// New weights.
     pub(super) fn weigh(&mut self, noise: &[Noise]) {
-        self.spans.par_iter_mut().for_each(|span| span.whitener = Whitener::new(&span.cells, noise[span.track]));
+        let tracks = &self.tracks;
+        self.spans.par_iter_mut().for_each(|span| {
+            span.whitener = Whitener::new(&tracks[span.track].t_s[span.start..span.end], noise[span.track]);
+        });
     }
 
     /// Prepares a machine for every recording, with the commands of `known` where they act the same.
@@ -148,10 +152,6 @@ impl Tracks {
 
 fn span(problem: &Problem, motion: &Motion, track: usize, start: usize, end: usize) -> Span {
     let t_s = &motion.t_s[start..end];
-    let cells = Cells {
-        span_s: t_s.windows(2).map(|pair| pair[1] - pair[0]).collect(),
-        moves: motion.cell_sign[start..end - 1].iter().map(|sign| *sign != 0.0).collect(),
-    };
     let noise = Noise { position: motion.noise.powi(2).max(1e-30), acceleration: 0.0 };
     let middle_s = 0.5 * (t_s[0] + t_s[t_s.len() - 1]);
     Span {
@@ -159,8 +159,8 @@ fn span(problem: &Problem, motion: &Motion, track: usize, start: usize, end: usi
         start,
         end,
         block: problem.block(track, middle_s),
-        whitener: Whitener::new(&cells, noise),
-        cells,
+        moves: motion.cell_sign[start..end - 1].iter().all(|sign| *sign != 0.0),
+        whitener: Whitener::new(t_s, noise),
         guess: [motion.smooth[start], motion.speed[start]],
     }
 }
