@@ -1,6 +1,6 @@
 //! Values and intervals of the answer: those of the time domain where it holds, of the weak form elsewhere.
 
-use super::Covariance;
+use super::intervals::{Block, Covariance};
 use crate::read::Recording;
 use crate::refit::TimeFit;
 use crate::screen::{Active, Fit, Problem};
@@ -30,27 +30,14 @@ impl Refined {
         resolution: f64,
         warnings: &mut Vec<String>,
     ) -> Self {
-        let weak = || Self {
-            active: fit.active.clone(),
-            covariance: Covariance::new(problem, fit, inflation),
-            time: None,
-        };
+        let weak =
+            || Self { active: fit.active.clone(), covariance: Covariance::new(problem, fit, inflation), time: None };
         if fit.active.is_empty() {
             return weak();
         }
-        let begun = std::time::Instant::now();
-        let r = TimeFit::new(problem, recordings, &fit.active, resolution);
-        if let Ok(t) = &r {
-            let c = Covariance::of_time(t);
-            let w = Covariance::new(problem, fit, inflation);
-            eprintln!("TD {:.2} s sse {:.1} start {:.1} freedom {} far {:.3} heldout {:.1}", begun.elapsed().as_secs_f64(), t.sse, t.start_sse, t.freedom, t.far, t.heldout.iter().sum::<f64>());
-            for i in 0..t.active.len() {
-                eprintln!("   {:?} TD {:?} weak {:?}", t.active[i].effect, super::intervals(&t.active, &c, i), super::intervals(&fit.active, &w, i));
-            }
-        }
-        match r {
+        match TimeFit::new(problem, recordings, &fit.active, resolution) {
             Ok(time) if time.far <= FAR && time.sse <= time.start_sse => {
-                Self { active: time.active.clone(), covariance: Covariance::of_time(&time), time: Some(time) }
+                Self { active: time.active.clone(), covariance: covariance(&time), time: Some(time) }
             }
             Ok(time) => {
                 warnings.push(format!(
@@ -66,4 +53,13 @@ impl Refined {
             }
         }
     }
+}
+
+/// Of a fit in the time domain, whose white residuals share no noise.
+fn covariance(time: &TimeFit) -> Covariance {
+    let pairs = time.normals.iter().zip(&time.scores);
+    let blocks: Vec<Block> =
+        pairs.map(|(normal, score)| Block { normal: normal.clone(), score: score.clone() }).collect();
+    let count = time.scores.first().map_or(0, |score| score.len());
+    Covariance::of_blocks(&blocks, count, time.sse / (time.freedom - count as f64).max(1.0))
 }

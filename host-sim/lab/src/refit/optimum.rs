@@ -33,8 +33,8 @@ pub struct TimeFit {
     pub freedom: f64,
     /// Share of the windows whose noise is more than the model's.
     pub far: f64,
-    /// Products of the derivatives by the free values.
-    pub(crate) normal: DMatrix<f64>,
+    /// Of each block: derivatives by derivatives, start states eliminated.
+    pub(crate) normals: Vec<DMatrix<f64>>,
     /// Of each block: derivatives by residual.
     pub(crate) scores: Vec<DVector<f64>>,
 }
@@ -45,12 +45,7 @@ impl TimeFit {
     ///
     /// # Errors
     /// Values that the plant refuses.
-    pub fn new(
-        problem: &Problem,
-        recordings: &[Recording],
-        start: &[Active],
-        resolution: f64,
-    ) -> Result<Self, Error> {
+    pub fn new(problem: &Problem, recordings: &[Recording], start: &[Active], resolution: f64) -> Result<Self, Error> {
         Self::fit(problem, recordings, start, resolution)
             .map_err(|error| Error::Usage(format!("the improved machine cannot be simulated: {error}")))
     }
@@ -79,18 +74,6 @@ impl TimeFit {
             point = descend(&gauge, first, count)?;
         }
         let slopes = gauge.slopes(&point, true)?;
-        if std::env::var("TRACE").is_ok() {
-            eprintln!("noise {:?}", noises(&gauge, &point, resolution));
-            let mut order: Vec<usize> = (0..point.shots.len()).collect();
-            order.sort_by(|a, b| point.shots[*b].loss.total_cmp(&point.shots[*a].loss));
-            for &i in order.iter().take(8) {
-                let (s, shot) = (&gauge.tracks.spans[i], &point.shots[i]);
-                let m = &problem.motions[s.track];
-                eprintln!("  {} {:.3} loss {:.0} weight {:.3} moves {:.2} start {:?} speed {:.4} {:.4} rms {:.2e} grad/sqrt(n) {:?}", s.track, m.t_s[s.start], shot.loss, shot.weight,
-                    if s.moves {1.0} else {0.0}, shot.start, m.speed[s.start], m.speed[s.end-1],
-                    (shot.residual.iter().map(|r| r*r).sum::<f64>() / shot.residual.len() as f64).sqrt(), (0..count).map(|k| slopes[i].gradient[k] / slopes.iter().map(|s| s.normal[(k,k)]).sum::<f64>().sqrt()).collect::<Vec<_>>());
-            }
-        }
         Ok(Self::of(&gauge, point, &slopes, start_sse, count))
     }
 
@@ -124,7 +107,7 @@ impl TimeFit {
             freedom: spans.iter().map(|span| span.freedom()).sum(),
             far: point.shots.iter().filter(|shot| shot.weight < 1.0).count() as f64 / spans.len().max(1) as f64,
             active: point.active,
-            normal,
+            normals,
             scores,
         }
     }

@@ -3,8 +3,8 @@
 use nalgebra::{DMatrix, DVector, Matrix2, Vector2};
 use rayon::prelude::*;
 
-use super::windows::HORIZON_S;
 use super::track::{Machine, Span, Tracks, knows_where};
+use super::windows::HORIZON_S;
 use crate::screen::{Active, Problem, moved, places};
 
 /// Squares of a window beyond this many times its freedom count by their root: an event that the noise shifted is no
@@ -162,12 +162,7 @@ impl Gauge<'_> {
     }
 
     /// The point after a step of the values; start states follow, or stay where following is worse.
-    pub(super) fn after(
-        &self,
-        point: &Point,
-        slopes: &[Slopes],
-        step: &DVector<f64>,
-    ) -> Result<Point, plant::Error> {
+    pub(super) fn after(&self, point: &Point, slopes: &[Slopes], step: &DVector<f64>) -> Result<Point, plant::Error> {
         let active = moved(&point.active, step);
         let machines = self.tracks.machines(&self.problem.machine(&active), Some(&point.machines))?;
         let each = self.tracks.spans.par_iter().zip(&point.shots).zip(slopes);
@@ -178,7 +173,8 @@ impl Gauge<'_> {
                 return Ok(follows);
             }
             let stays = self.shot(span, &machines, shot.start)?;
-            let half = self.shot(span, &machines, [shot.start[0] + 0.5 * change[0], shot.start[1] + 0.5 * change[1]])?;
+            let half =
+                self.shot(span, &machines, [shot.start[0] + 0.5 * change[0], shot.start[1] + 0.5 * change[1]])?;
             let best = if stays.loss < half.loss { stays } else { half };
             Ok(if best.loss < follows.loss { best } else { follows })
         });
@@ -212,7 +208,8 @@ impl Gauge<'_> {
     ) -> Result<Shot, plant::Error> {
         let change = slopes.start_step(&DVector::zeros(slopes.cross.ncols()));
         for part in [1.0, 0.5, 0.125] {
-            let tried = self.shot(span, machines, [shot.start[0] + part * change[0], shot.start[1] + part * change[1]])?;
+            let tried =
+                self.shot(span, machines, [shot.start[0] + part * change[0], shot.start[1] + part * change[1]])?;
             if tried.loss < shot.loss {
                 return Ok(tried);
             }

@@ -98,11 +98,7 @@ impl Tracks {
     ///
     /// # Errors
     /// Values that the plant refuses.
-    pub(super) fn machines(
-        &self,
-        physics: &Physics,
-        known: Option<&[Machine]>,
-    ) -> Result<Vec<Machine>, plant::Error> {
+    pub(super) fn machines(&self, physics: &Physics, known: Option<&[Machine]>) -> Result<Vec<Machine>, plant::Error> {
         let each = self.tracks.iter().enumerate();
         each.map(|(index, track)| {
             let model = model(physics, index);
@@ -186,8 +182,5 @@ fn actuation(model: &Model) -> Model {
 
 /// Whether the torque, or what the sensor shows, depends on the position itself and not on its changes alone.
 pub(super) fn knows_where(physics: &Physics) -> bool {
-    !physics.cogging.is_empty()
-        || physics.gravity.is_some()
-        || physics.spring != 0.0
-        || physics.eccentricity.is_some()
+    !physics.cogging.is_empty() || physics.gravity.is_some() || physics.spring != 0.0 || physics.eccentricity.is_some()
 }

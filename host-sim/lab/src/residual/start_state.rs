@@ -173,7 +173,8 @@ mod tests {
             let mut measured = vec![0.0; t_s.len()];
             mechanics.simulate(&timeline, 0.0, State::new(1.0, speed), &t_s, &mut measured).unwrap();
             let inside = State::default();
-            let window = StartState { mechanics: &mechanics, timeline: &timeline, t_s: &t_s, measured: &measured, inside };
+            let window =
+                StartState { mechanics: &mechanics, timeline: &timeline, t_s: &t_s, measured: &measured, inside };
             let (state, simulated) = window.estimate(speed_at(&t_s, &measured, 0, 0, 100)).unwrap();
             let worst = measured.iter().zip(&simulated).map(|(m, s)| (m - s).abs()).fold(0.0, f64::max);
             assert!(worst < 1e-8, "torque {torque}, speed {speed}: {worst:e} rad from {state:?}");

@@ -12,8 +12,8 @@ mod search;
 mod smoother;
 mod weak;
 
-pub use fit::Fit;
 pub(crate) use balance::damper;
+pub use fit::Fit;
 pub(crate) use fit::{bounded_step, moved, places, solve_near};
 pub use motion::Motion;
 pub use problem::{Active, Problem};
