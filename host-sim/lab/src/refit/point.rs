@@ -11,6 +11,11 @@ use crate::screen::{Active, Problem, moved, places};
 /// reason to move what all other windows agree on.
 const FAR: f64 = 2.0;
 
+/// A window with more than this times its freedom may have a better start;
+const MUCH: f64 = 1.3;
+/// it is looked for in so many passes.
+const PASSES: usize = 8;
+
 /// Robust sum of squares of a window, and the weight its rows have.
 pub(super) fn robust(squares: f64, freedom: f64) -> (f64, f64) {
     let limit = FAR * freedom.max(1.0);
@@ -195,6 +200,36 @@ impl Gauge<'_> {
                 break;
             }
         }
+        Ok(point)
+    }
+
+    /// The same values with start states tried anew where much is left: a window in which the model sticks has no slope to
+    /// follow from one start to the other.
+    pub(super) fn rescued(&self, mut point: Point) -> Result<Point, plant::Error> {
+        let pairs = self.tracks.spans.par_iter().zip(point.shots);
+        let shots = pairs.map(|(span, mut shot)| {
+            if shot.loss < MUCH * span.freedom() {
+                return Ok(shot);
+            }
+            for start in [span.guess, [span.guess[0], 0.0], [shot.start[0], span.guess[1]]] {
+                let mut tried = self.shot(span, &point.machines, start)?;
+                for _ in 0..PASSES {
+                    let columns = self.columns(span, &tried, &point.machines, (&[], &[]), true)?;
+                    let slopes = products(span, &tried, &columns);
+                    let next = self.better_start(span, &point.machines, &tried, &slopes)?;
+                    let gain = tried.loss - next.loss;
+                    tried = next;
+                    if gain < 1e-2 {
+                        break;
+                    }
+                }
+                if tried.loss < shot.loss {
+                    shot = tried;
+                }
+            }
+            Ok(shot)
+        });
+        point.shots = shots.collect::<Result<_, plant::Error>>()?;
         Ok(point)
     }
 
