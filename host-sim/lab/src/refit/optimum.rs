@@ -74,16 +74,6 @@ impl TimeFit {
             point = descend(&gauge, first, count)?;
         }
         let slopes = gauge.slopes(&point, true)?;
-        if std::env::var("TRACE").is_ok() {
-            let (n, g) = sums(&slopes, count);
-            let b: Vec<f64> = (0..count).map(|k| g[k] / n[(k, k)].sqrt()).collect();
-            let mut w: Vec<f64> = slopes.iter().map(|s| s.gradient[0] / n[(0, 0)].sqrt()).collect();
-            w.sort_by(f64::total_cmp);
-            let m = w.len();
-            let mut i: Vec<f64> = slopes.iter().map(|s| s.normal[(0, 0)] / n[(0, 0)]).collect();
-            i.sort_by(f64::total_cmp);
-            eprintln!("  unconverged {b:?} of {:?} window scores {:.2?} {:.2?} var {:.2} info {:.3?}", point.active[0].values, &w[..4], &w[m - 4..], w.iter().map(|x| x * x).sum::<f64>(), &i[m - 6..]);
-        }
         Ok(Self::of(&gauge, point, &slopes, start_sse, count))
     }
 
