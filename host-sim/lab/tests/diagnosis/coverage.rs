@@ -30,7 +30,7 @@ fn coverage_of_intervals() {
     let number = |name: &str, usual: f64| -> f64 {
         std::env::var(name).ok().and_then(|text| text.parse().ok()).unwrap_or(usual)
     };
-    let (seeds, noise) = (number("SEEDS", 20.0) as u64, number("NOISE", 0.05));
+    let (first, seeds, noise) = (number("FIRST", 1.0) as u64, number("SEEDS", 20.0) as u64, number("NOISE", 0.05));
     let only = std::env::var("CASE").ok();
     for (id, truth, change) in CASES {
         if only.as_ref().is_some_and(|only| !only.split(',').any(|o| o == id)) {
@@ -39,7 +39,7 @@ fn coverage_of_intervals() {
         // Of each value: intervals that hold the truth, errors, squares of errors, half-widths.
         let mut sums = vec![[0.0; 4]; truth.len()];
         let mut named = 0;
-        for seed in 1..=seeds {
+        for seed in first..first + seeds {
             let files = recordings(&change, 100 + seed, noise, &[]);
             let machine = machine(COUNT_RAD);
             let vocabulary = [find(id).unwrap()];
