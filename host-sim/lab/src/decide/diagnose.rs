@@ -2,7 +2,7 @@
 
 use super::controller::mismatch;
 use super::prepare::{Searched, search};
-use super::{Covariance, equivalents, intervals};
+use super::{Refined, equivalents, intervals};
 use crate::Error;
 use crate::effects::{Effect, Physics};
 use crate::locate::{Leftover, leftover, locations, regions, residual_map};
@@ -65,12 +65,15 @@ pub fn diagnose(request: &Request<'_>) -> Result<Diagnosis, Error> {
         return Err(Error::Usage(format!("{}: {message}", names.join(", "))));
     }
     let fit = &outcome.fit;
-    let improved = problem.machine(&fit.active);
+    let inflation = Refitter::new(problem, outcome).inflation(fit);
+    let resolution = request.machine.axis.resolution;
+    let refined = Refined::new(problem, &searched.recordings[..problem.fitted], fit, inflation, resolution, &mut warnings);
+    let improved = problem.machine(&refined.active);
     let controller = request.machine.controller.as_ref().and_then(|law| mismatch(law, &files, &mut warnings));
     let left = leftover(problem, fit, axis);
     let (verdict, effects) = match controller {
         Some(answer) => (Verdict::Controller, vec![answer]),
-        None => decide(request, problem, outcome, &left),
+        None => decide(request, problem, outcome, &refined, &left),
     };
     if let Some(filter_s) = searched.effort_filter_s {
         warnings.push(format!(
@@ -100,13 +103,13 @@ fn decide(
     request: &Request<'_>,
     problem: &Problem,
     outcome: &Outcome,
+    refined: &Refined,
     left: &Leftover,
 ) -> (Verdict, Vec<EffectAnswer>) {
     let fit = &outcome.fit;
     let refitter = Refitter::new(problem, outcome);
-    let covariance = Covariance::new(problem, fit, refitter.inflation(fit));
     let mut effects: Vec<EffectAnswer> = (0..fit.active.len())
-        .map(|index| effect_answer(request, problem, &refitter, outcome, &covariance, index))
+        .map(|index| effect_answer(request, problem, &refitter, outcome, refined, index))
         .collect();
     effects.extend(glitches(request, problem));
     effects.sort_by(|a, b| b.evidence.heldout_gain.total_cmp(&a.evidence.heldout_gain));
@@ -220,7 +223,7 @@ fn effect_answer(
     problem: &Problem,
     refitter: &Refitter<'_>,
     outcome: &Outcome,
-    covariance: &Covariance,
+    refined: &Refined,
     index: usize,
 ) -> EffectAnswer {
     let fit = &outcome.fit;
@@ -236,7 +239,7 @@ fn effect_answer(
     };
     let axis = request.machine.axis.kind;
     let names = vocabulary::effect(entry.effect.id).map_or(&[] as &[vocabulary::Parameter], |kind| kind.parameters);
-    let values = intervals(fit, covariance, index);
+    let values = intervals(&refined.active, &refined.covariance, index);
     let parameters = parameters(names, &values, axis);
     let recording = (entry.effect.id == "disturbance_pulse")
         .then(|| problem.motions.get(entry.values[0] as usize).map(|motion| motion.name.clone()))
@@ -260,14 +263,16 @@ fn fit_answer(
 ) -> Result<FitAnswer, Error> {
     let outcome = &searched.outcome;
     let (fitted, holdout) = searched.recordings.split_at(request.recordings.len());
-    let (before, after) = (Windows::new(nominal, fitted, 0)?.rms(), Windows::new(improved, fitted, 0)?.rms());
-    let first = fitted.len();
+    let resolution = request.machine.axis.resolution;
+    let rms = |physics, recordings, first| {
+        Windows::new(physics, recordings, first, resolution, HORIZON_S).map(|windows| windows.rms())
+    };
+    let (before, after) = (rms(nominal, fitted, 0)?, rms(improved, fitted, 0)?);
     let (heldout_before, heldout_after) = if holdout.is_empty() {
         let share = |fit: &Fit| (fit.heldout_sse() / fit.sse.max(1e-300)).sqrt();
         (before * share(&outcome.nominal), after * share(&outcome.fit))
     } else {
-        let rms = |physics| Windows::new(physics, holdout, first).map(|windows| windows.rms());
-        (rms(nominal)?, rms(improved)?)
+        (rms(nominal, holdout, fitted.len())?, rms(improved, holdout, fitted.len())?)
     };
     let floor = outcome.fit.residual_count();
     let unit = if request.machine.axis.kind == AxisKind::Linear { "m" } else { "rad" };

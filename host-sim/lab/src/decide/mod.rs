@@ -5,7 +5,9 @@ mod diagnose;
 mod equivalents;
 mod intervals;
 mod prepare;
+mod refined;
 
 pub use diagnose::{Diagnosis, Request, diagnose};
 pub use equivalents::equivalents;
 pub use intervals::{Covariance, intervals};
+pub use refined::Refined;

@@ -1,7 +1,14 @@
 //! The time domain: the improved machine as the plant simulates it, in short windows driven by the recorded commands.
 
+mod descent;
 mod model;
+mod observer;
+mod optimum;
+mod point;
+mod track;
+mod whiten;
 mod windows;
 
 pub use model::model;
+pub use optimum::TimeFit;
 pub use windows::{HORIZON_S, Windows};

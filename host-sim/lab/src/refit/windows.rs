@@ -2,15 +2,20 @@
 
 use crate::Error;
 use crate::effects::Physics;
+use plant::State;
+use rayon::prelude::*;
+
+use super::observer::{Observer, remembers};
 use crate::read::Recording;
 use crate::refit::model;
-use crate::residual::{Residual, residual};
+use crate::residual::{Residual, residual_from};
+use crate::screen::Motion;
 
 /// Length of the windows that an answer reports, s.
 pub const HORIZON_S: f64 = 0.05;
 
 /// What was commanded before the first row is not known, and acts this long, s.
-const SETTLE_S: f64 = 0.03;
+pub(super) const SETTLE_S: f64 = 0.03;
 
 /// Short windows of one machine over some recordings.
 #[derive(Debug)]
@@ -20,14 +25,30 @@ pub struct Windows {
 }
 
 impl Windows {
-    /// Runs the machine over the recordings; the first of them is number `first` of the machine's pushes and phases.
+    /// Runs the machine over the recordings in windows of `horizon_s`; the first of them is number `first` of the machine's
+    /// pushes and phases. Bristles and loads start as an observer along the recorded motion has them; `resolution` is the
+    /// smallest step of the position, rad (m).
     ///
     /// # Errors
     /// A recording too short for one window, or a machine that cannot be simulated.
-    pub fn new(physics: &Physics, recordings: &[Recording], first: usize) -> Result<Self, Error> {
-        let each = recordings.iter().enumerate();
+    pub fn new(
+        physics: &Physics,
+        recordings: &[Recording],
+        first: usize,
+        resolution: f64,
+        horizon_s: f64,
+    ) -> Result<Self, Error> {
+        let each = recordings.par_iter().enumerate();
         let residuals = each.map(|(index, recording)| {
-            let mut all = residual(&model(physics, first + index), recording, HORIZON_S)?;
+            let model = model(physics, first + index);
+            let inside = if remembers(physics) {
+                let rows: Vec<usize> = (0..recording.t_s.len()).collect();
+                Observer::new(&Motion::new(recording, physics, resolution)).states(physics, &rows)
+            } else {
+                Vec::new()
+            };
+            let inside = |row: usize| inside.get(row).copied().unwrap_or_else(State::default);
+            let mut all = residual_from(&model, recording, horizon_s, &inside)?;
             let settled_s = recording.t_s[0] + SETTLE_S;
             all.windows.retain(|window| recording.t_s[window.start] >= settled_s);
             Ok(all)

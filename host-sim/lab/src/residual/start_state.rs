@@ -19,6 +19,8 @@ pub(super) struct StartState<'a> {
     pub t_s: &'a [f64],
     /// Recorded positions, rad (m).
     pub measured: &'a [f64],
+    /// Bristles and load at the first row; its position and speed are not looked at.
+    pub inside: State,
 }
 
 impl StartState<'_> {
@@ -37,7 +39,7 @@ impl StartState<'_> {
             }
         }
         let best = best.map_or_else(|| self.at(Vector2::new(first, slope)), Ok)?;
-        Ok((State::new(best.at[0], best.at[1]), best.simulated))
+        Ok((self.start(best.at), best.simulated))
     }
 
     /// Levenberg-Marquardt over start position and speed.
@@ -80,10 +82,15 @@ impl StartState<'_> {
 
     fn at(&self, at: Vector2<f64>) -> Result<Descent, Error> {
         let mut simulated = vec![0.0; self.t_s.len()];
-        let start_s = self.t_s[0];
-        self.mechanics.simulate(self.timeline, start_s, State::new(at[0], at[1]), self.t_s, &mut simulated)?;
+        self.mechanics.simulate(self.timeline, self.t_s[0], self.start(at), self.t_s, &mut simulated)?;
         let cost = self.measured.iter().zip(&simulated).map(|(m, s)| (m - s) * (m - s)).sum();
         Ok(Descent { at, cost, simulated })
+    }
+
+    fn start(&self, at: Vector2<f64>) -> State {
+        let mut state = self.inside;
+        (state.position, state.velocity) = (at[0], at[1]);
+        state
     }
 }
 
@@ -165,7 +172,9 @@ mod tests {
             let timeline = Timeline::new(&model, &t_s, &commands, &Command::default()).unwrap();
             let mut measured = vec![0.0; t_s.len()];
             mechanics.simulate(&timeline, 0.0, State::new(1.0, speed), &t_s, &mut measured).unwrap();
-            let window = StartState { mechanics: &mechanics, timeline: &timeline, t_s: &t_s, measured: &measured };
+            let inside = State::default();
+            let window =
+                StartState { mechanics: &mechanics, timeline: &timeline, t_s: &t_s, measured: &measured, inside };
             let (state, simulated) = window.estimate(speed_at(&t_s, &measured, 0, 0, 100)).unwrap();
             let worst = measured.iter().zip(&simulated).map(|(m, s)| (m - s).abs()).fold(0.0, f64::max);
             assert!(worst < 1e-8, "torque {torque}, speed {speed}: {worst:e} rad from {state:?}");

@@ -72,11 +72,26 @@ impl Residual {
     }
 }
 
-/// Runs `model` over `recording` in windows of `horizon_s`, each from its best start state.
+/// Runs `model` over `recording` in windows of `horizon_s`, each from its best start state; bristles start unloaded and a
+/// load moves along.
 ///
 /// # Errors
 /// A recording too short for one window, or a model the plant refuses.
 pub fn residual(model: &Model, recording: &Recording, horizon_s: f64) -> Result<Residual, Error> {
+    residual_from(model, recording, horizon_s, &|_| State::default())
+}
+
+/// The same where the state inside the machine (bristles, a load behind a shaft) is known at the row a window starts with:
+/// `inside` gives it, and only its position and speed are estimated.
+///
+/// # Errors
+/// As [`residual`].
+pub fn residual_from(
+    model: &Model,
+    recording: &Recording,
+    horizon_s: f64,
+    inside: &(dyn Fn(usize) -> State + Sync),
+) -> Result<Residual, Error> {
     let unusable = |error: plant::Error| Error::Usage(format!("{}: {error}", recording.name));
     let commands = recorded_commands(recording);
     // A recording cut from the middle was driven before its first row; its first command is the best guess.
@@ -92,7 +107,7 @@ pub fn residual(model: &Model, recording: &Recording, horizon_s: f64) -> Result<
             recording.name
         )));
     }
-    let fit = Fit { mechanics: &mechanics, timeline: &timeline, recording, inertia: model.inertia };
+    let fit = Fit { mechanics: &mechanics, timeline: &timeline, recording, inertia: model.inertia, inside };
     let what = format!("{}, windows of {:.0} ms", recording.name, 1e3 * horizon_s);
     let progress = Progress::new(&what, spans.len() as u64);
     let window = |(start, end)| fit.window(start, end).inspect(|_| progress.advance(1));
@@ -101,7 +116,7 @@ pub fn residual(model: &Model, recording: &Recording, horizon_s: f64) -> Result<
 }
 
 /// Rows of back-to-back windows; a window that would cross a gap, or hold fewer than eight rows, is left out.
-fn spans(recording: &Recording, horizon_s: f64) -> Vec<(usize, usize)> {
+pub(crate) fn spans(recording: &Recording, horizon_s: f64) -> Vec<(usize, usize)> {
     let t_s = &recording.t_s;
     let mut spans = Vec::new();
     let mut start = 0;
@@ -126,6 +141,7 @@ struct Fit<'a> {
     timeline: &'a Timeline,
     recording: &'a Recording,
     inertia: f64,
+    inside: &'a (dyn Fn(usize) -> State + Sync),
 }
 
 impl Fit<'_> {
@@ -136,7 +152,8 @@ impl Fit<'_> {
         let after_gap = gap.checked_sub(1).map_or(0, |gap| self.recording.gaps[gap] + 1);
         let speed_guess = speed_at(t_s, position, start, after_gap, end);
         let (t_s, measured) = (&t_s[start..end], &position[start..end]);
-        let window = StartState { mechanics: self.mechanics, timeline: self.timeline, t_s, measured };
+        let inside = (self.inside)(start);
+        let window = StartState { mechanics: self.mechanics, timeline: self.timeline, t_s, measured, inside };
         let (state, simulated) = window.estimate(speed_guess)?;
         let residual: Vec<f64> = measured.iter().zip(&simulated).map(|(m, s)| m - s).collect();
         let torque = self.inertia * curvature(t_s, &residual);

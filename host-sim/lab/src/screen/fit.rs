@@ -50,17 +50,19 @@ pub(crate) struct Base {
 
 /// Which value of which effect a column belongs to.
 #[derive(Debug, Clone, Copy)]
-struct Place {
-    effect: usize,
-    value: usize,
-    step: f64,
-    low: f64,
-    high: f64,
+pub(crate) struct Place {
+    pub effect: usize,
+    pub value: usize,
+    /// A small change, for derivatives.
+    pub step: f64,
+    pub low: f64,
+    pub high: f64,
     /// Belongs to this recording alone.
     recording: Option<usize>,
 }
 
-fn places(active: &[Active]) -> Vec<Place> {
+/// The free values of a hypothesis, in the order of the columns.
+pub(crate) fn places(active: &[Active]) -> Vec<Place> {
     let mut all = Vec::new();
     for (index, entry) in active.iter().enumerate() {
         for (value, &now) in entry.values.iter().enumerate() {
@@ -137,7 +139,7 @@ impl Fitter<'_> {
     pub(crate) fn glimpse(&self, active: &[Active], base: &Base) -> (f64, Vec<Active>) {
         let (residual, parts) = self.residual(active, Some(&base.parts));
         let jacobian = self.jacobian(active, &residual, &parts, Some(&base.jacobian));
-        let step = bounded_step(active, &residual, &jacobian, 1e-9);
+        let step = bounded_step(active, &jacobian.tr_mul(&jacobian), &jacobian.tr_mul(&residual), 1e-9);
         let reached = moved(active, &step);
         let (after, _) = self.residual(&reached, Some(&parts));
         let (before, after) = (self.squares(&residual), self.squares(&after));
@@ -169,7 +171,8 @@ impl Fitter<'_> {
             if jacobian.ncols() == 0 {
                 break;
             }
-            let step = bounded_step(&active, &residual, &jacobian, damping);
+            let (normal, gradient) = (jacobian.tr_mul(&jacobian), jacobian.tr_mul(&residual));
+            let step = bounded_step(&active, &normal, &gradient, damping);
             let trial = moved(&active, &step);
             let (after, after_parts) = self.residual(&trial, Some(&parts));
             let (old, new) = (self.squares(&residual), self.squares(&after));
@@ -224,7 +227,8 @@ impl Fitter<'_> {
     }
 }
 
-fn moved(active: &[Active], step: &DVector<f64>) -> Vec<Active> {
+/// The hypothesis after a step of its free values, within their bounds.
+pub(crate) fn moved(active: &[Active], step: &DVector<f64>) -> Vec<Active> {
     let mut moved = active.to_vec();
     for (place, change) in places(active).iter().zip(step.iter()) {
         let value = &mut moved[place.effect].values[place.value];
@@ -234,15 +238,20 @@ fn moved(active: &[Active], step: &DVector<f64>) -> Vec<Active> {
 }
 
 /// The damped step that lowers the squares, with values at a bound held there where the step would leave it.
-fn bounded_step(active: &[Active], residual: &DVector<f64>, jacobian: &DMatrix<f64>, damping: f64) -> DVector<f64> {
+/// `gradient` is half that of the squares.
+pub(crate) fn bounded_step(
+    active: &[Active],
+    normal: &DMatrix<f64>,
+    gradient: &DVector<f64>,
+    damping: f64,
+) -> DVector<f64> {
     let places = places(active);
-    let (normal, gradient) = (jacobian.tr_mul(jacobian), jacobian.tr_mul(residual));
     let mut open: Vec<usize> = (0..places.len()).collect();
     let mut step = DVector::zeros(places.len());
     while !open.is_empty() {
         let part = DMatrix::from_fn(open.len(), open.len(), |r, c| normal[(open[r], open[c])]);
         // Held values keep the way to their bound, the open ones answer to it.
-        let held: DVector<f64> = &normal * step_of(&step, &open);
+        let held: DVector<f64> = normal * step_of(&step, &open);
         let pull = DVector::from_fn(open.len(), |r, _| gradient[open[r]] + held[open[r]]);
         let solved = solve(&part, &pull, damping);
         let mut leaves = None;
@@ -271,7 +280,7 @@ fn step_of(step: &DVector<f64>, open: &[usize]) -> DVector<f64> {
 }
 
 /// Solves part x = -gradient for a part of the equations, held near zero by a thousandth of what all of them know.
-fn solve_near(part: &DMatrix<f64>, normal: &DMatrix<f64>, gradient: &DVector<f64>) -> DVector<f64> {
+pub(crate) fn solve_near(part: &DMatrix<f64>, normal: &DMatrix<f64>, gradient: &DVector<f64>) -> DVector<f64> {
     let mut held = part.clone();
     for index in 0..gradient.len() {
         held[(index, index)] += 1e-3 * normal[(index, index)];

@@ -15,7 +15,9 @@ mod search;
 mod smoother;
 mod weak;
 
+pub(crate) use balance::damper;
 pub use fit::Fit;
+pub(crate) use fit::{bounded_step, moved, places, solve_near};
 pub(crate) use instrument::effort_filter_s;
 pub use judge::{MAX_P, MIN_GAIN, Trial, worse};
 pub use motion::Motion;

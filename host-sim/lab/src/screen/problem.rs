@@ -45,6 +45,8 @@ pub struct Problem {
     pub(crate) equations: Vec<Equation>,
     /// Number of blocks.
     pub(crate) blocks: usize,
+    /// First block of each recording, and the length of its blocks, s.
+    spans: Vec<(usize, f64)>,
     pub(crate) nominal: Physics,
 }
 
@@ -64,12 +66,13 @@ impl Problem {
     /// Builds the equations of the recordings; those behind the first `fitted` are predicted and never fitted.
     pub(crate) fn new(motions: Vec<Motion>, fitted: usize, nominal: Physics) -> Self {
         let mut equations = Vec::new();
-        let mut blocks = 0;
+        let (mut blocks, mut spans) = (0, Vec::new());
         for (recording, motion) in motions.iter().enumerate() {
             let last_s = motion.t_s[motion.t_s.len() - 1];
             let span_s = (last_s - motion.t_s[0]).max(1e-6);
             // Few seconds still make enough blocks to leave one out; a long recording makes them longer.
             let block_s = BLOCK_S.min(span_s / 8.0).max(span_s / 60.0);
+            spans.push((blocks, block_s));
             let mut of_recording = Vec::new();
             for (width, half_width_s) in HALF_WIDTHS_S.into_iter().enumerate() {
                 let half_width_s = half_width_s.max(5.0 * motion.period_s * 1.6f64.powi(width as i32));
@@ -84,12 +87,18 @@ impl Problem {
             blocks += (span_s / block_s).ceil() as usize + 1;
             equations.append(&mut of_recording);
         }
-        Self { motions, fitted, equations, blocks, nominal }
+        Self { motions, fitted, equations, blocks, spans, nominal }
     }
 
     /// Number of equations to fit; they come before those that are only predicted.
     pub(crate) fn fitted_equations(&self) -> usize {
         self.equations.partition_point(|equation| equation.recording < self.fitted)
+    }
+
+    /// The block that a time of a recording belongs to.
+    pub(crate) fn block(&self, recording: usize, t_s: f64) -> usize {
+        let (first, block_s) = self.spans[recording];
+        first + ((t_s - self.motions[recording].t_s[0]) / block_s) as usize
     }
 
     /// The machine with effects put into it.

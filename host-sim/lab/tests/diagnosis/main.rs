@@ -3,5 +3,6 @@
 
 mod answers;
 mod cases;
+mod coverage;
 mod real;
 mod score;

@@ -1,0 +1,65 @@
+//! Values and intervals of the answer: those of the time domain where it holds, of the weak form elsewhere.
+
+use super::intervals::{Block, Covariance};
+use crate::read::Recording;
+use crate::refit::TimeFit;
+use crate::screen::{Active, Fit, Problem};
+
+/// Share of windows far beyond the noise with which the time domain is no better witness than the weak form.
+const FAR: f64 = 0.3;
+
+/// The effects of the answer with the values that are reported.
+#[derive(Debug, Clone)]
+pub struct Refined {
+    /// Effects and values.
+    pub active: Vec<Active>,
+    /// Of the free values.
+    pub covariance: Covariance,
+    /// The fit in the time domain, where it is the one that is reported.
+    pub time: Option<TimeFit>,
+}
+
+impl Refined {
+    /// Refits what a search found. `inflation` is how many neighbouring equations of the weak form count as one,
+    /// `resolution` the smallest step of the position, rad (m).
+    pub fn new(
+        problem: &Problem,
+        recordings: &[Recording],
+        fit: &Fit,
+        inflation: f64,
+        resolution: f64,
+        warnings: &mut Vec<String>,
+    ) -> Self {
+        let weak =
+            || Self { active: fit.active.clone(), covariance: Covariance::new(problem, fit, inflation), time: None };
+        if fit.active.is_empty() {
+            return weak();
+        }
+        match TimeFit::new(problem, recordings, &fit.active, resolution) {
+            Ok(time) if time.far <= FAR && time.sse <= time.start_sse => {
+                Self { active: time.active.clone(), covariance: covariance(&time), time: Some(time) }
+            }
+            Ok(time) => {
+                warnings.push(format!(
+                    "values and intervals are those of the weak form: simulated, {:.0} % of the windows are far from the \
+                     recording even with the best values",
+                    100.0 * time.far
+                ));
+                weak()
+            }
+            Err(error) => {
+                warnings.push(format!("values and intervals are those of the weak form: {error}"));
+                weak()
+            }
+        }
+    }
+}
+
+/// Of a fit in the time domain, whose white residuals share no noise.
+fn covariance(time: &TimeFit) -> Covariance {
+    let pairs = time.normals.iter().zip(&time.scores);
+    let blocks: Vec<Block> =
+        pairs.map(|(normal, score)| Block { normal: normal.clone(), score: score.clone() }).collect();
+    let count = time.scores.first().map_or(0, |score| score.len());
+    Covariance::of_blocks(&blocks, count, time.sse / (time.freedom - count as f64).max(1.0))
+}

@@ -1,0 +1,153 @@
+//! States inside the machine that no sensor shows: bristles, the fluid's spring, a load behind a shaft. They follow from
+//! the recorded motion alone, so an observer driven along it knows them at any row without an estimate of their own.
+
+use plant::State;
+
+use crate::effects::{Damper, Load, Physics};
+use crate::screen::{Motion, damper};
+
+/// Whether a machine has states other than position and speed.
+pub(super) fn remembers(physics: &Physics) -> bool {
+    physics.presliding.is_finite()
+        || physics.load.is_some_and(|load| load.inertia_ratio > 0.0)
+        || physics.damper.as_ref().is_some_and(|damper| damper.preyield.is_finite())
+}
+
+/// One recording as an observer runs along it.
+#[derive(Debug, Clone)]
+pub(super) struct Observer {
+    motion: Motion,
+}
+
+impl Observer {
+    /// Along a smoothed motion.
+    pub(super) fn new(motion: &Motion) -> Self {
+        let mut motion = motion.clone();
+        // The level that the fluid yields at has no direction.
+        motion.cell_sign.fill(1.0);
+        Self { motion }
+    }
+
+    /// The states inside a machine at some rows, in order; position and speed are those of the motion.
+    pub(super) fn states(&self, physics: &Physics, rows: &[usize]) -> Vec<State> {
+        let motion = &self.motion;
+        let mut states: Vec<State> =
+            rows.iter().map(|&row| State::new(motion.smooth[row], motion.speed[row])).collect();
+        if physics.presliding.is_finite() {
+            let forces = self.dry_bristle(physics);
+            states.iter_mut().zip(rows).for_each(|(state, &row)| state.bristle_torque = forces[row]);
+        }
+        if let Some(damper) = physics.damper.as_ref().filter(|damper| damper.preyield.is_finite()) {
+            let forces = self.fluid_spring(physics, damper);
+            states.iter_mut().zip(rows).for_each(|(state, &row)| state.spring_torque = forces[row]);
+        }
+        if let Some(load) = physics.load.as_ref().filter(|load| load.inertia_ratio > 0.0) {
+            let twists = self.twists(load, physics.inertia);
+            for (state, &row) in states.iter_mut().zip(rows) {
+                (state.twist, state.twist_rate) = twists[row];
+            }
+        }
+        states
+    }
+
+    /// Dahl's bristle at the rows, N m (N): over a way x it approaches its level as exp(-stiffness x / level).
+    fn dry_bristle(&self, physics: &Physics) -> Vec<f64> {
+        let mut force: f64 = 0.0;
+        let mut forces = vec![0.0; self.motion.smooth.len()];
+        for (cell, pair) in self.motion.smooth.windows(2).enumerate() {
+            let way = pair[1] - pair[0];
+            let level = (physics.coulomb + 0.5 * physics.asymmetry * way.signum()).max(1e-12);
+            let target = level * way.signum();
+            if way != 0.0 {
+                force = target + (force - target) * (-physics.presliding * way.abs() / level).exp();
+            }
+            forces[cell + 1] = force;
+        }
+        forces
+    }
+
+    /// The fluid's spring at the rows, N m (N), limited by the torque of the acting field.
+    fn fluid_spring(&self, physics: &Physics, of: &Damper) -> Vec<f64> {
+        let rigid = Damper { preyield: f64::INFINITY, ..of.clone() };
+        let level = damper(&Physics { damper: Some(rigid), ..physics.clone() }, &self.motion);
+        let mut force: f64 = 0.0;
+        let mut forces = vec![0.0; self.motion.smooth.len()];
+        for (cell, pair) in self.motion.smooth.windows(2).enumerate() {
+            let limit = level[cell].max(0.0);
+            force = (force.clamp(-limit, limit) + of.preyield * (pair[1] - pair[0])).clamp(-limit, limit);
+            forces[cell + 1] = force;
+        }
+        forces
+    }
+
+    /// Twist (load minus motor), rad (m), and its rate at the rows. The load moves along at the first row and after gaps.
+    fn twists(&self, load: &Load, inertia: f64) -> Vec<(f64, f64)> {
+        let motion = &self.motion;
+        let law = Law::new(load, inertia);
+        let (mut x, mut v) = (motion.smooth[0], motion.speed[0]);
+        let mut twists = vec![(0.0, 0.0); motion.smooth.len()];
+        for cell in 0..motion.cells() {
+            let (q, w) = (motion.smooth[cell], motion.speed[cell]);
+            let (next_q, next_w) = (motion.smooth[cell + 1], motion.speed[cell + 1]);
+            if motion.broken[cell] {
+                (x, v) = (next_q, next_w);
+            } else {
+                let span_s = motion.t_s[cell + 1] - motion.t_s[cell];
+                (x, v) = law.along((x, v), (q, w), (next_w - w) / span_s, span_s);
+            }
+            twists[cell + 1] = (x - next_q, v - next_w);
+        }
+        twists
+    }
+}
+
+/// Motion of a load whose motor moves as recorded: spring and damper of the reduced mass of both, with a dead zone.
+struct Law {
+    stiffness: f64,
+    damping: f64,
+    half_gap: f64,
+    inertia: f64,
+}
+
+impl Law {
+    fn new(load: &Load, inertia: f64) -> Self {
+        let motor = inertia / (1.0 + load.inertia_ratio);
+        let moved = inertia - motor;
+        let reduced = motor * moved / inertia;
+        let omega = std::f64::consts::TAU * load.resonance_hz;
+        Self {
+            stiffness: omega * omega * reduced,
+            damping: 2.0 * load.damping_ratio * omega * reduced,
+            half_gap: 0.5 * load.gap,
+            inertia: moved,
+        }
+    }
+
+    fn acceleration(&self, stretch: f64, rate: f64) -> f64 {
+        if self.half_gap > 0.0 && stretch.abs() <= self.half_gap {
+            return 0.0;
+        }
+        (self.stiffness * (stretch - self.half_gap.copysign(stretch)) + self.damping * rate) / self.inertia
+    }
+
+    /// Load position and speed after a cell in which the motor has a constant acceleration: Runge and Kutta's fourth order
+    /// in steps of a third of a radian of the fastest motion.
+    fn along(&self, (mut x, mut v): (f64, f64), (q, w): (f64, f64), rate: f64, span_s: f64) -> (f64, f64) {
+        let fastest = (self.stiffness / self.inertia).sqrt();
+        let steps = (span_s * fastest / 0.3).ceil().clamp(1.0, 64.0);
+        let h = span_s / steps;
+        for step in 0..steps as usize {
+            let pull = |part: f64, x: f64, v: f64| {
+                let s = (step as f64 + part) * h;
+                self.acceleration(q + w * s + 0.5 * rate * s * s - x, w + rate * s - v)
+            };
+            let a1 = pull(0.0, x, v);
+            let a2 = pull(0.5, x + 0.5 * h * v, v + 0.5 * h * a1);
+            let a3 = pull(0.5, x + 0.5 * h * v + 0.25 * h * h * a1, v + 0.5 * h * a2);
+            let a4 = pull(1.0, x + h * v + 0.5 * h * h * a2, v + h * a3);
+            x += h * v + h * h / 6.0 * (a1 + a2 + a3);
+            v += h / 6.0 * (a1 + 2.0 * a2 + 2.0 * a3 + a4);
+        }
+        (x, v)
+    }
+}

@@ -1,0 +1,186 @@
+//! Recordings cut into windows, and machines ready to be run over them.
+
+use std::sync::Arc;
+
+use plant::{Command, Er, FluidResponse, Mechanics, Model, State, Timeline};
+use rayon::prelude::*;
+
+use super::model;
+use super::observer::{Observer, remembers};
+use super::whiten::{Noise, Whitener};
+use super::windows::{HORIZON_S, SETTLE_S};
+use crate::effects::Physics;
+use crate::read::Recording;
+use crate::residual::{recorded_commands, spans};
+use crate::screen::{Motion, Problem};
+
+/// One recording.
+#[derive(Debug)]
+pub(super) struct Track {
+    pub t_s: Vec<f64>,
+    /// Measured positions with glitches repaired, rad (m).
+    pub position: Vec<f64>,
+    commands: Vec<Command>,
+    observer: Observer,
+}
+
+/// One window of a recording.
+#[derive(Debug)]
+pub(super) struct Span {
+    pub track: usize,
+    pub start: usize,
+    pub end: usize,
+    /// Of the problem that the search solved.
+    pub block: usize,
+    /// Whether the rotor moves from one end to the other.
+    pub moves: bool,
+    pub whitener: Whitener,
+    /// Position and speed of the smoothed motion at the first row.
+    pub guess: [f64; 2],
+}
+
+impl Span {
+    /// Rows less the two numbers of the start state.
+    pub(super) fn freedom(&self) -> f64 {
+        (self.end - self.start) as f64 - 2.0
+    }
+}
+
+/// A machine over one recording.
+#[derive(Debug)]
+pub(super) struct Machine {
+    model: Model,
+    mechanics: Mechanics,
+    timeline: Arc<Timeline>,
+    /// State inside the machine at the start of each window of the track, by its first row.
+    inside: Option<Vec<State>>,
+}
+
+/// All windows of all recordings.
+#[derive(Debug)]
+pub(super) struct Tracks {
+    pub tracks: Vec<Track>,
+    pub spans: Vec<Span>,
+}
+
+impl Tracks {
+    /// Windows of the recordings that a problem was built from, weighed as if the noise were that of the sensor alone.
+    pub(super) fn new(problem: &Problem, recordings: &[Recording]) -> Self {
+        let pairs = || recordings.iter().zip(&problem.motions);
+        let tracks = pairs()
+            .map(|(recording, motion)| Track {
+                t_s: recording.t_s.clone(),
+                position: motion.position.clone(),
+                commands: recorded_commands(recording),
+                observer: Observer::new(motion),
+            })
+            .collect();
+        let spans = pairs().enumerate().flat_map(|(track, (recording, motion))| {
+            let settled_s = recording.t_s[0] + SETTLE_S;
+            let found = spans(recording, HORIZON_S).into_iter();
+            found
+                .filter(move |&(start, _)| recording.t_s[start] >= settled_s)
+                .map(move |(start, end)| span(problem, motion, track, start, end))
+        });
+        let spans = spans.collect();
+        Self { tracks, spans }
+    }
+
+    /// New weights.
+    pub(super) fn weigh(&mut self, noise: &[Noise]) {
+        let tracks = &self.tracks;
+        self.spans.par_iter_mut().for_each(|span| {
+            span.whitener = Whitener::new(&tracks[span.track].t_s[span.start..span.end], noise[span.track]);
+        });
+    }
+
+    /// Prepares a machine for every recording, with the commands of `known` where they act the same.
+    ///
+    /// # Errors
+    /// Values that the plant refuses.
+    pub(super) fn machines(&self, physics: &Physics, known: Option<&[Machine]>) -> Result<Vec<Machine>, plant::Error> {
+        let each = self.tracks.iter().enumerate();
+        each.map(|(index, track)| {
+            let model = model(physics, index);
+            let acting = known.map(|known| &known[index]).filter(|known| actuation(&known.model) == actuation(&model));
+            let timeline = match acting {
+                Some(known) => Arc::clone(&known.timeline),
+                None => {
+                    let before = track.commands.first().copied().unwrap_or_default();
+                    let before = Command { speed_estimate: 0.0, ..before };
+                    Arc::new(Timeline::new(&model, &track.t_s, &track.commands, &before)?)
+                }
+            };
+            let inside = remembers(physics).then(|| {
+                let rows: Vec<usize> =
+                    self.spans.iter().filter(|span| span.track == index).map(|span| span.start).collect();
+                let mut states = vec![State::default(); track.t_s.len()];
+                for (&row, state) in rows.iter().zip(track.observer.states(physics, &rows)) {
+                    states[row] = state;
+                }
+                states
+            });
+            Ok(Machine { mechanics: Mechanics::new(&model)?, model, timeline, inside })
+        })
+        .collect()
+    }
+
+    /// Measured minus simulated position of a window from a start state, rad (m).
+    pub(super) fn residual(
+        &self,
+        span: &Span,
+        machines: &[Machine],
+        start: [f64; 2],
+        into: &mut Vec<f64>,
+    ) -> Result<(), plant::Error> {
+        let (track, machine) = (&self.tracks[span.track], &machines[span.track]);
+        let t_s = &track.t_s[span.start..span.end];
+        let mut state = machine.inside.as_ref().map_or_else(State::default, |inside| inside[span.start]);
+        [state.position, state.velocity] = start;
+        into.clear();
+        into.resize(t_s.len(), 0.0);
+        machine.mechanics.simulate(&machine.timeline, t_s[0], state, t_s, into)?;
+        let measured = &track.position[span.start..span.end];
+        into.iter_mut().zip(measured).for_each(|(value, measured)| *value = measured - *value);
+        Ok(())
+    }
+}
+
+fn span(problem: &Problem, motion: &Motion, track: usize, start: usize, end: usize) -> Span {
+    let t_s = &motion.t_s[start..end];
+    let noise = Noise { position: motion.noise.powi(2).max(1e-30), acceleration: 0.0 };
+    let middle_s = 0.5 * (t_s[0] + t_s[t_s.len() - 1]);
+    Span {
+        track,
+        start,
+        end,
+        block: problem.block(track, middle_s),
+        moves: motion.cell_sign[start..end - 1].iter().all(|sign| *sign != 0.0),
+        whitener: Whitener::new(t_s, noise),
+        guess: [motion.smooth[start], motion.speed[start]],
+    }
+}
+
+/// What of a model the timeline is made of.
+fn actuation(model: &Model) -> Model {
+    let er = model.er.as_ref().map(|er| match er.response {
+        FluidResponse::Field(_) => Er { response: er.response, ..Er::new(0.0, 0.0, 0.0, 0.0) },
+        _ => er.clone(),
+    });
+    Model {
+        torque_gain: model.torque_gain,
+        torque_offset: model.torque_offset,
+        torque_limit: model.torque_limit,
+        torque_deadband: model.torque_deadband,
+        torque_delay_s: model.torque_delay_s,
+        torque_lag_s: model.torque_lag_s,
+        er,
+        pulses: model.pulses.clone(),
+        ..Model::new(1.0)
+    }
+}
+
+/// Whether the torque, or what the sensor shows, depends on the position itself and not on its changes alone.
+pub(super) fn knows_where(physics: &Physics) -> bool {
+    !physics.cogging.is_empty() || physics.gravity.is_some() || physics.spring != 0.0 || physics.eccentricity.is_some()
+}
