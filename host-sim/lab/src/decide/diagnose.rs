@@ -2,11 +2,13 @@
 
 use rayon::prelude::*;
 
+use super::checks::self_checks;
 use super::controller::mismatch;
+use super::twin::Twins;
 use super::{Covariance, equivalents, intervals};
 use crate::Error;
 use crate::effects::{Effect, Physics};
-use crate::locate::{Leftover, leftover, locations, regions, residual_map};
+use crate::locate::{Leftover, first_unexplained, leftover, locations, regions, residual_map};
 use crate::read::vocabulary;
 use crate::read::{AxisKind, Machine, Recording};
 use crate::refit::{HORIZON_S, Windows};
@@ -60,19 +62,33 @@ pub fn diagnose(request: &Request<'_>) -> Result<Diagnosis, Error> {
     let improved = problem.machine(&fit.active);
     let controller = request.machine.controller.as_ref().and_then(|law| mismatch(law, &files, &mut warnings));
     let left = leftover(&problem, fit, axis);
-    let (verdict, effects) = match controller {
+    let twins = Twins::of(request, &problem, &outcome, &improved);
+    let (mut verdict, effects) = match controller {
         Some(answer) => (Verdict::Controller, vec![answer]),
         None => decide(request, &problem, &outcome, &left),
     };
+    // What is also found where nothing is missing may be the tool's own making.
+    let phantom = effects.iter().any(|effect| twins.falsely_found.contains(&effect.id.as_str()));
+    if phantom && verdict == Verdict::Named {
+        verdict = Verdict::Ambiguous;
+    }
     warn(&problem, fit, &left, verdict, &mut warnings);
+    warnings.extend(self_checks(&problem, request.recordings, request.vocabulary));
+    warnings.extend(twins.warnings.iter().cloned());
     let map =
         if verdict == Verdict::Unknown { residual_map(&problem, fit, &outcome.weights, axis) } else { Vec::new() };
+    let mut fit_of = fit_answer(request, &outcome, &nominal, &improved)?;
+    fit_of.noise_floor_rms = twins.noise_floor_rms.unwrap_or(fit_of.noise_floor_rms);
+    let before = &outcome.nominal;
+    let missing = verdict != Verdict::None;
+    let regions = if missing { regions(&problem, before, axis) } else { Vec::new() };
     let answer = Answer {
         schema: 1,
         verdict,
-        fit: fit_answer(request, &outcome, &nominal, &improved)?,
-        locations: if verdict == Verdict::None { Vec::new() } else { locations(&problem, &outcome.nominal) },
-        regions: if verdict == Verdict::None { Vec::new() } else { regions(&problem, &outcome.nominal, axis) },
+        fit: fit_of,
+        locations: if missing { locations(&problem, before, axis, &regions) } else { Vec::new() },
+        first_unexplained: if missing { first_unexplained(&problem, before) } else { Vec::new() },
+        regions,
         rejected: rejected(request, &outcome, &effects),
         effects,
         experiment: None,
@@ -192,7 +208,6 @@ fn warn(problem: &Problem, fit: &Fit, left: &Leftover, verdict: Verdict, warning
     if repaired > 0 {
         warnings.push(format!("{repaired} isolated wrong position samples were left out"));
     }
-    warnings.push("no clean synthetic twin of these recordings was run in this version".to_owned());
 }
 
 fn rejected(request: &Request<'_>, outcome: &Outcome, effects: &[EffectAnswer]) -> Vec<Rejected> {

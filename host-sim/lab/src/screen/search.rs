@@ -279,6 +279,14 @@ impl<'a> Search<'a> {
         rivals.min_by_key(|trial| trial.fit.freedom()).or(Some(best))
     }
 
+    /// What the first step from the nominal machine accepts, best held-out first.
+    pub fn first_step(mut self) -> Vec<Trial> {
+        let base = self.fitter().fit(&[], 0);
+        let mut trials = self.round(&base);
+        trials.retain(Trial::accepted);
+        trials
+    }
+
     /// Runs the search from a model; without one from the nominal machine.
     pub fn run(mut self, start: &[Active]) -> Outcome {
         if !start.is_empty() {
