@@ -47,6 +47,7 @@ fn mean(values: &[f64]) -> f64 {
 fn most_likely(squares: &[f64], quiet: f64, high: f64) -> Vec<bool> {
     let cost = |square: f64, variance: f64| 0.5 * (square / variance + variance.ln());
     let (mut to_quiet, mut to_loud) = (0.0, 0.0);
+    // Whether the state before was loud, for quiet now and for loud now.
     let mut from = Vec::with_capacity(squares.len());
     for &square in squares {
         let (stay, fall) = (to_quiet, to_loud + CHANGE);
@@ -59,8 +60,7 @@ fn most_likely(squares: &[f64], quiet: f64, high: f64) -> Vec<bool> {
     let mut state = to_loud < to_quiet;
     for index in (0..squares.len()).rev() {
         states[index] = state;
-        // The state before: whether it was loud for quiet now, and not quiet for loud now.
-        state = if state { !from[index].1 } else { from[index].0 };
+        state = if state { from[index].1 } else { from[index].0 };
     }
     states
 }

@@ -20,15 +20,19 @@ fn judged(change: impl Fn(&mut Physics), seed: u64) -> (Problem, Fit) {
 
 #[test]
 fn a_push_is_one_span_and_its_start_the_first_sample_that_cannot_be_explained() {
-    let push = Pulse { recording: 0, start_s: 3.1, duration_s: 0.1, amplitude: 3.0 };
-    let (problem, fit) = judged(|machine| machine.pulses.push(push), 1);
-    let regions = regions(&problem, &fit, AxisKind::Rotary);
-    let locations = locations(&problem, &fit, AxisKind::Rotary, &regions);
-    let first = &locations[0];
-    assert!(first.share > 0.9 && first.share_low <= first.share && first.share <= first.share_high, "{locations:?}");
-    assert!((first.start_s - 3.1).abs() < 0.02 && (first.end_s - 3.2).abs() < 0.02, "{first:?}");
-    let unexplained = &first_unexplained(&problem, &fit)[0];
-    assert!((unexplained.t_s - 3.1).abs() < 0.015, "{unexplained:?}");
+    for start_s in [1.1, 2.1, 3.1, 4.1] {
+        let push = Pulse { recording: 0, start_s, duration_s: 0.06, amplitude: 3.0 };
+        let (problem, fit) = judged(|machine| machine.pulses.push(push), 1);
+        let regions = regions(&problem, &fit, AxisKind::Rotary);
+        let locations = locations(&problem, &fit, AxisKind::Rotary, &regions);
+        let first = &locations[0];
+        assert!(first.share > 0.9 && first.share_low <= first.share && first.share <= first.share_high, "{first:?}");
+        let inside = |at_s: f64| (start_s - 0.03..start_s + 0.13).contains(&at_s);
+        assert!(inside(first.start_s) && inside(first.end_s) && first.text.starts_with("once, "), "{first:?}");
+        let unexplained = &first_unexplained(&problem, &fit)[0];
+        // Rows do not touch rest: a push that meets the rotor there shows when it moves.
+        assert!((unexplained.t_s - start_s - 0.008).abs() < 0.0125, "{unexplained:?} for {start_s} s");
+    }
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use super::bootstrap::share;
 use super::spans::loud;
-use super::words::what_happens;
+use super::words::{EVENT_S, what_happens};
 use crate::read::AxisKind;
 use crate::report::{FirstUnexplained, Location, Region};
 use crate::screen::{Fit, Problem};
@@ -14,7 +14,8 @@ const APART_S: f64 = 0.25;
 /// Residuals beyond this many deviations are no noise, not even the worst of some thousand.
 const BEYOND: f64 = 6.0;
 
-/// Rows of the middle width of one recording, in order of time.
+/// Rows of the two narrow widths of one recording, in order of time: the widest blur what is short, the narrowest alone are
+/// noisy.
 struct Series {
     recording: usize,
     rows: Vec<usize>,
@@ -24,7 +25,7 @@ fn series(problem: &Problem) -> Vec<Series> {
     let of = |recording: usize| {
         let rows = (0..problem.equations.len()).filter(|&index| {
             let equation = &problem.equations[index];
-            equation.recording == recording && equation.width == 1
+            equation.recording == recording && equation.width < 2
         });
         Series { recording, rows: rows.collect() }
     };
@@ -64,6 +65,7 @@ pub fn locations(problem: &Problem, fit: &Fit, axis: AxisKind, regions: &[Region
             let share = share(&part, &total);
             let motion = &problem.motions[span.recording];
             let (start_s, end_s) = reach(problem, span.rows);
+            let what = what_happens(motion, start_s, end_s, axis, regions);
             Location {
                 recording: motion.name.clone(),
                 start_s,
@@ -71,7 +73,7 @@ pub fn locations(problem: &Problem, fit: &Fit, axis: AxisKind, regions: &[Region
                 share: share.share,
                 share_low: share.low,
                 share_high: share.high,
-                text: what_happens(motion, start_s, end_s, axis, regions),
+                text: if spans.len() == 1 && end_s - start_s < EVENT_S { format!("once, {what}") } else { what },
             }
         })
         .collect()
@@ -91,24 +93,29 @@ fn reach(problem: &Problem, rows: &[usize]) -> (f64, f64) {
 
 /// In each recording the first sample that the machine of a fit cannot explain with noise; none where noise explains all.
 pub fn first_unexplained(problem: &Problem, fit: &Fit) -> Vec<FirstUnexplained> {
-    let mut first: Vec<Option<f64>> = vec![None; problem.motions.len()];
-    for (equation, residual) in problem.equations.iter().zip(fit.residual.iter()) {
-        if residual.abs() < BEYOND {
-            continue;
-        }
-        let t_s = &problem.motions[equation.recording].t_s;
-        let row = &equation.row;
-        // A strong torque shows when the tail of the bump meets it, a weak one in its middle.
-        let within_s = 0.125 * (t_s[row.first_cell + row.cell.len()] - t_s[row.first_cell]);
-        let at_s = row.centre_s + within_s;
-        let earliest = &mut first[equation.recording];
-        *earliest = Some(earliest.map_or(at_s, |before| before.min(at_s)));
-    }
-    let found = problem.motions.iter().zip(first).filter_map(|(motion, at_s)| Some((motion, at_s?)));
-    found
-        .map(|(motion, at_s)| {
-            let row = motion.t_s.partition_point(|t| *t < at_s).min(motion.t_s.len() - 1);
-            FirstUnexplained { recording: motion.name.clone(), row: row + 1, t_s: motion.t_s[row] }
-        })
-        .collect()
+    let widths = problem.equations.iter().map(|equation| equation.width + 1).max().unwrap_or(0);
+    let of = |recording: usize| {
+        // A wide bump sees what a narrow one does not, but blurs its time by its width.
+        let each = (0..widths).filter_map(|width| onset_s(problem, fit, recording, width));
+        let (at_s, _) = each.reduce(|fine, wide| if wide.0 + wide.1 < fine.0 { wide } else { fine })?;
+        let motion = &problem.motions[recording];
+        let row = motion.t_s.partition_point(|t| *t < at_s).min(motion.t_s.len() - 1);
+        Some(FirstUnexplained { recording: motion.name.clone(), row: row + 1, t_s: motion.t_s[row] })
+    };
+    (0..problem.motions.len()).filter_map(of).collect()
+}
+
+/// When the residual of one width first rises beyond noise, s: where it passes half of what it rises to within the width
+/// of a bump, which is where the middle of the bump meets a step of torque; and the width of the bump, s.
+fn onset_s(problem: &Problem, fit: &Fit, recording: usize, width: usize) -> Option<(f64, f64)> {
+    let own = problem.equations.iter().zip(fit.residual.iter());
+    let own = own.filter(|(equation, _)| equation.recording == recording && equation.width == width);
+    let rows: Vec<(f64, f64)> = own.map(|(equation, residual)| (equation.row.centre_s, residual.abs())).collect();
+    let first = rows.iter().position(|(_, size)| *size >= BEYOND)?;
+    let equation = problem.equations.iter().find(|equation| equation.width == width)?;
+    let t_s = &problem.motions[equation.recording].t_s;
+    let bump_s = t_s[equation.row.first_cell + equation.row.cell.len()] - t_s[equation.row.first_cell];
+    let risen = rows[first..].iter().take_while(|(at_s, _)| *at_s <= rows[first].0 + bump_s);
+    let peak = risen.clone().fold(0.0_f64, |peak, (_, size)| peak.max(*size));
+    risen.into_iter().find(|(_, size)| *size >= 0.5 * peak).map(|(at_s, _)| (*at_s, bump_s))
 }

@@ -10,7 +10,7 @@ const JUST_AFTER_S: f64 = 0.040;
 /// or this long within it.
 const JUST_WITHIN_S: f64 = 0.020;
 /// Longer spans are no events, s.
-const EVENT_S: f64 = 0.4;
+pub(super) const EVENT_S: f64 = 0.4;
 /// Rest shorter than this is a passage through zero, s.
 const REST_S: f64 = 0.015;
 /// A region that holds this share is said for spans that are no events.
