@@ -9,6 +9,7 @@ use super::{Covariance, equivalents, intervals};
 use crate::Error;
 use crate::effects::{Effect, Physics};
 use crate::locate::{Leftover, first_unexplained, leftover, locations, regions, residual_map};
+use crate::progress::{Progress, Stages};
 use crate::read::vocabulary;
 use crate::read::{AxisKind, Machine, Recording};
 use crate::refit::{HORIZON_S, Windows};
@@ -37,6 +38,8 @@ pub struct Diagnosis {
     pub nominal: Physics,
     /// The improved machine.
     pub improved: Physics,
+    /// How long each stage took.
+    pub stages: Stages,
 }
 
 /// Share of the excess that a model must explain to be named: substitutes explain 0.5 in the median and 0.8 at the 95th
@@ -53,7 +56,8 @@ pub fn diagnose(request: &Request<'_>) -> Result<Diagnosis, Error> {
     let nominal = Physics::of(request.machine, &names)?;
     let mut warnings: Vec<String> = files.iter().flat_map(|recording| recording.notes()).collect();
     let axis = request.machine.axis.kind;
-    let (problem, outcome) = search(request, &nominal);
+    let mut stages = Stages::begin();
+    let (problem, outcome) = search(request, &nominal, &mut stages);
     if problem.equations.is_empty() {
         let message = "nothing moves long enough in one direction to be judged; record more motion".to_owned();
         return Err(Error::Usage(format!("{}: {message}", names.join(", "))));
@@ -62,11 +66,14 @@ pub fn diagnose(request: &Request<'_>) -> Result<Diagnosis, Error> {
     let improved = problem.machine(&fit.active);
     let controller = request.machine.controller.as_ref().and_then(|law| mismatch(law, &files, &mut warnings));
     let left = leftover(&problem, fit, axis);
+    stages.done("controller and leftover");
     let twins = Twins::of(request, &problem, &outcome, &improved);
+    stages.done("twins");
     let (mut verdict, effects) = match controller {
         Some(answer) => (Verdict::Controller, vec![answer]),
         None => decide(request, &problem, &outcome, &left),
     };
+    stages.done("decide");
     // What is also found where nothing is missing may be the tool's own making.
     let phantom = effects.iter().any(|effect| twins.falsely_found.contains(&effect.id.as_str()));
     if phantom && verdict == Verdict::Named {
@@ -75,10 +82,12 @@ pub fn diagnose(request: &Request<'_>) -> Result<Diagnosis, Error> {
     warn(&problem, fit, &left, verdict, &mut warnings);
     warnings.extend(self_checks(&problem, request.recordings, request.vocabulary));
     warnings.extend(twins.warnings.iter().cloned());
+    stages.done("self-checks");
     let map =
         if verdict == Verdict::Unknown { residual_map(&problem, fit, &outcome.weights, axis) } else { Vec::new() };
     let mut fit_of = fit_answer(request, &outcome, &nominal, &improved)?;
     fit_of.noise_floor_rms = twins.noise_floor_rms.unwrap_or(fit_of.noise_floor_rms);
+    stages.done("windows");
     let before = &outcome.nominal;
     let missing = verdict != Verdict::None;
     let regions = if missing { regions(&problem, before, axis) } else { Vec::new() };
@@ -95,24 +104,32 @@ pub fn diagnose(request: &Request<'_>) -> Result<Diagnosis, Error> {
         warnings,
         residual_map: map,
     };
-    Ok(Diagnosis { answer, nominal, improved })
+    stages.done("locate and report");
+    Ok(Diagnosis { answer, nominal, improved, stages })
 }
 
 /// Searches twice: the smoother knew the nominal torques only; with those of the improved machine reversals are where they
 /// were.
-fn search(request: &Request<'_>, nominal: &Physics) -> (Problem, Outcome) {
+fn search(request: &Request<'_>, nominal: &Physics, stages: &mut Stages) -> (Problem, Outcome) {
     let linear = request.machine.axis.kind == AxisKind::Linear;
     let resolution = request.machine.axis.resolution;
-    let motions = request.recordings.par_iter().map(|r| Motion::new(r, nominal, resolution)).collect();
+    let progress = Progress::new("preparing recordings", request.recordings.len() as u64);
+    let prepared = request.recordings.par_iter().map(|r| Motion::new(r, nominal, resolution));
+    let motions = prepared.inspect(|_| progress.advance(1)).collect();
     let problem = Problem::new(motions, nominal.clone());
+    drop(progress);
+    stages.done("prepare");
     let outcome = Search::new(&problem, request.vocabulary, linear).run(&[]);
+    stages.done("search");
     if outcome.fit.active.is_empty() {
         return (problem, outcome);
     }
     let found = problem.machine(&outcome.fit.active);
     let motions = problem.motions.par_iter().enumerate().map(|(index, m)| m.again(&found, index, resolution)).collect();
     let problem = Problem::new(motions, nominal.clone());
+    stages.done("prepare");
     let outcome = Search::new(&problem, request.vocabulary, linear).run(&outcome.fit.active);
+    stages.done("search");
     (problem, outcome)
 }
 

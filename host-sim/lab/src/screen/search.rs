@@ -8,6 +8,7 @@ use super::fit::{Fit, Fitter};
 use super::noise::deviations;
 use super::problem::{Active, Problem};
 use crate::effects::{Effect, Excitation};
+use crate::progress::Progress;
 
 /// Least gain in held-out error for an effect to be accepted.
 pub const MIN_GAIN: f64 = 0.03;
@@ -243,8 +244,10 @@ impl<'a> Search<'a> {
                 !base.active.iter().any(|entry| conflicts(entry.effect, effect)) && !full(&base.active, effect)
             })
             .collect();
+        let progress = Progress::new(&format!("effects on top of {}", base.active.len()), open.len() as u64);
         let fitted: Vec<(&'static Effect, Fit, usize)> = open
             .par_iter()
+            .inspect(|_| progress.advance(1))
             .filter_map(|&effect| {
                 let (fit, variants) = self.attempt(base, effect)?;
                 let fit = if effect.id == "cogging" { self.more_orders(base, fit, effect) } else { fit };

@@ -5,3 +5,4 @@ mod answers;
 mod cases;
 mod real;
 mod score;
+mod size;
