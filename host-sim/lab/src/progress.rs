@@ -1,4 +1,4 @@
-//! Progress of work that takes over a second, on a terminal only.
+//! Progress of work that takes over a second, on a terminal only; and how long its stages took.
 
 use std::time::{Duration, Instant};
 
@@ -38,5 +38,49 @@ impl Progress {
 impl Drop for Progress {
     fn drop(&mut self) {
         self.bar.finish_and_clear();
+    }
+}
+
+/// How long the stages of some work took, in the order in which they first ended.
+#[derive(Debug, Clone)]
+pub struct Stages {
+    taken: Vec<(&'static str, Duration)>,
+    since: Instant,
+}
+
+impl Stages {
+    /// The first stage begins now.
+    pub fn begin() -> Self {
+        Self { taken: Vec::new(), since: Instant::now() }
+    }
+
+    /// The stage `name` ends and the next one begins; a name that comes again adds up.
+    pub fn done(&mut self, name: &'static str) {
+        let took = self.since.elapsed();
+        self.since = Instant::now();
+        match self.taken.iter_mut().find(|(other, _)| *other == name) {
+            Some((_, sum)) => *sum += took,
+            None => self.taken.push((name, took)),
+        }
+    }
+
+    /// Each stage with its time.
+    pub fn taken(&self) -> &[(&'static str, Duration)] {
+        &self.taken
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_stage_that_comes_again_adds_up() {
+        let mut stages = Stages::begin();
+        for name in ["prepare", "search", "prepare"] {
+            stages.done(name);
+        }
+        let names: Vec<&str> = stages.taken().iter().map(|(name, _)| *name).collect();
+        assert_eq!(names, ["prepare", "search"]);
     }
 }

@@ -1,11 +1,18 @@
 //! The decision: intervals, equivalents, what is left over, and the verdict.
 
+mod checks;
 mod controller;
 mod diagnose;
 mod equivalents;
+mod fitted;
 mod intervals;
+mod named;
 mod prepare;
 mod refined;
+#[cfg(test)]
+pub(crate) mod testing;
+pub mod twin;
+mod verdict;
 
 pub use diagnose::{Diagnosis, Request, diagnose};
 pub use equivalents::equivalents;

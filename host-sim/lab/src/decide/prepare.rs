@@ -4,6 +4,7 @@ use rayon::prelude::*;
 
 use super::Request;
 use crate::effects::Physics;
+use crate::progress::{Progress, Stages};
 use crate::read::{AxisKind, Recording};
 use crate::screen::{Active, Motion, Outcome, Problem, Search, effort_filter_s};
 
@@ -22,7 +23,7 @@ pub(super) struct Searched {
 
 /// Searches twice: the smoother knew the nominal torques only; with those of the improved machine reversals are where they
 /// were.
-pub(super) fn search(request: &Request<'_>, nominal: &Physics) -> Searched {
+pub(super) fn search(request: &Request<'_>, nominal: &Physics, stages: &mut Stages) -> Searched {
     let mut recordings: Vec<Recording> = request.recordings.iter().chain(request.holdout).cloned().collect();
     let linear = request.machine.axis.kind == AxisKind::Linear;
     let mut problem = problem(request, &recordings, nominal);
@@ -33,13 +34,17 @@ pub(super) fn search(request: &Request<'_>, nominal: &Physics) -> Searched {
         recordings.iter_mut().for_each(|recording| unfilter(recording, filter_s));
         problem = self::problem(request, &recordings, nominal);
     }
+    stages.done("prepare");
     let outcome = run(request, &problem, &[]);
-    again(request, Searched { problem, outcome, recordings, effort_filter_s: filter }, nominal)
+    stages.done("search");
+    again(request, Searched { problem, outcome, recordings, effort_filter_s: filter }, nominal, stages)
 }
 
 fn problem(request: &Request<'_>, recordings: &[Recording], nominal: &Physics) -> Problem {
     let resolution = request.machine.axis.resolution;
-    let motions = recordings.par_iter().map(|recording| Motion::new(recording, nominal, resolution)).collect();
+    let progress = Progress::new("preparing recordings", recordings.len() as u64);
+    let prepared = recordings.par_iter().map(|recording| Motion::new(recording, nominal, resolution));
+    let motions = prepared.inspect(|_| progress.advance(1)).collect();
     Problem::new(motions, request.recordings.len(), nominal.clone())
 }
 
@@ -48,7 +53,7 @@ fn run(request: &Request<'_>, problem: &Problem, start: &[Active]) -> Outcome {
     Search::new(problem, request.vocabulary, linear).run(start)
 }
 
-fn again(request: &Request<'_>, first: Searched, nominal: &Physics) -> Searched {
+fn again(request: &Request<'_>, first: Searched, nominal: &Physics, stages: &mut Stages) -> Searched {
     let active = &first.outcome.fit.active;
     if active.is_empty() {
         return first;
@@ -57,7 +62,9 @@ fn again(request: &Request<'_>, first: Searched, nominal: &Physics) -> Searched 
     let resolution = request.machine.axis.resolution;
     let motions = first.problem.motions.par_iter().enumerate().map(|(index, m)| m.again(&found, index, resolution));
     let problem = Problem::new(motions.collect(), request.recordings.len(), nominal.clone());
+    stages.done("prepare");
     let outcome = run(request, &problem, active);
+    stages.done("search");
     Searched { problem, outcome, ..first }
 }
 

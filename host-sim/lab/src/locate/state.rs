@@ -1,5 +1,7 @@
 //! The residual over the channels of state.
 
+use super::bootstrap::share;
+use super::order::standing_order;
 use crate::read::AxisKind;
 use crate::report::{Region, ResidualMap};
 use crate::screen::{Fit, Problem};
@@ -31,12 +33,13 @@ pub(super) fn channels(problem: &Problem, axis: AxisKind) -> Vec<Channel> {
         Channel { name: name.to_owned(), points: middle.iter().filter_map(at).collect() }
     };
     let motions = &problem.motions;
-    let steps: Vec<Vec<f64>> = motions.iter().map(|m| field_steps(m.field.as_deref(), &m.t_s)).collect();
+    let steps: Vec<Vec<FieldStep>> = motions.iter().map(|m| field_steps(m.field.as_deref(), &m.t_s)).collect();
     let since = |recording: usize, t_s: f64| {
-        let before = steps[recording].partition_point(|step| *step <= t_s);
-        (before > 0).then(|| t_s - steps[recording][before - 1])
+        let before = steps[recording].partition_point(|step| step.t_s <= t_s);
+        (before > 0).then(|| t_s - steps[recording][before - 1].t_s)
     };
     vec![
+        over("direction", &|r, sample, _| Some(motions[r].speed[sample].signum())),
         over(speed, &|r, sample, _| Some(motions[r].speed[sample])),
         over(position, &|r, sample, _| Some(motions[r].smooth[sample])),
         over("field_kv_mm", &|r, sample, _| motions[r].field.as_ref().map(|field| field[sample])),
@@ -46,14 +49,34 @@ pub(super) fn channels(problem: &Problem, axis: AxisKind) -> Vec<Channel> {
     ]
 }
 
-/// Times at which the commanded field jumps.
-fn field_steps(field: Option<&[f64]>, t_s: &[f64]) -> Vec<f64> {
-    let Some(field) = field else { return Vec::new() };
-    let peak = field.iter().fold(0.0_f64, |peak, e| peak.max(*e));
-    (1..field.len()).filter(|&row| (field[row] - field[row - 1]).abs() > 0.25 * peak).map(|row| t_s[row]).collect()
+/// The position within an order per revolution, where one stands out of a fit's residual.
+fn within_order(problem: &Problem, fit: &Fit, axis: AxisKind) -> Option<Channel> {
+    let order = (axis == AxisKind::Rotary).then(|| standing_order(problem, fit)).flatten()?;
+    let middle = problem.equations.iter().enumerate().filter(|(_, equation)| equation.width == 1);
+    let points = middle.map(|(index, equation)| {
+        let position = equation.row.mean(&problem.motions[equation.recording].cell_position);
+        (index, (order as f64 * position).rem_euclid(std::f64::consts::TAU))
+    });
+    Some(Channel { name: format!("phase_of_order_{order}_rad"), points: points.collect() })
 }
 
-/// Bins of equal numbers of points, in rising order; fewer where the channel does not vary.
+/// A jump of the commanded field.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct FieldStep {
+    pub t_s: f64,
+    pub rises: bool,
+}
+
+/// Jumps of the commanded field by a quarter of its largest value, within one row or a few.
+pub(super) fn field_steps(field: Option<&[f64]>, t_s: &[f64]) -> Vec<FieldStep> {
+    let Some(field) = field else { return Vec::new() };
+    let peak = field.iter().fold(0.0_f64, |peak, e| peak.max(*e));
+    let jumps = (1..field.len()).filter(|&row| (field[row] - field[row - 1]).abs() > 0.25 * peak);
+    jumps.map(|row| FieldStep { t_s: t_s[row], rises: field[row] > field[row - 1] }).collect()
+}
+
+/// Bins of equal numbers of points, in rising order, or one for each value of a channel that has only a few; none where
+/// the channel does not vary.
 pub(super) fn bins(channel: &Channel) -> Vec<Vec<(usize, f64)>> {
     let mut points = channel.points.clone();
     points.sort_by(|a, b| a.1.total_cmp(&b.1));
@@ -61,38 +84,54 @@ pub(super) fn bins(channel: &Channel) -> Vec<Vec<(usize, f64)>> {
     if !varies {
         return Vec::new();
     }
+    let values: Vec<&[(usize, f64)]> = points.chunk_by(|a, b| a.1 == b.1).collect();
+    if values.len() <= BINS {
+        return values.into_iter().map(<[(usize, f64)]>::to_vec).collect();
+    }
     (0..BINS).map(|bin| points[bin * points.len() / BINS..(bin + 1) * points.len() / BINS].to_vec()).collect()
 }
 
 /// Ranges of each channel that hold most of the excess of a fit, most telling first.
 pub fn regions(problem: &Problem, fit: &Fit, axis: AxisKind) -> Vec<Region> {
-    let mut all = Vec::new();
-    for channel in channels(problem, axis) {
-        let bins = bins(&channel);
-        let excess: Vec<f64> = bins
-            .iter()
-            .map(|bin| bin.iter().map(|(index, _)| fit.residual[*index].powi(2) - 1.0).sum::<f64>().max(0.0))
-            .collect();
-        let total: f64 = excess.iter().sum();
-        if total <= 0.0 {
-            continue;
-        }
-        let top = (0..bins.len()).max_by(|&a, &b| excess[a].total_cmp(&excess[b])).unwrap_or(0);
-        // Neighbours with at least half the top's excess belong to it.
-        let (mut from, mut to) = (top, top);
-        while from > 0 && excess[from - 1] > 0.5 * excess[top] {
-            from -= 1;
-        }
-        while to + 1 < bins.len() && excess[to + 1] > 0.5 * excess[top] {
-            to += 1;
-        }
-        let share = excess[from..=to].iter().sum::<f64>() / total;
-        let (low, high) = (bins[from].first().map_or(0.0, |p| p.1), bins[to].last().map_or(0.0, |p| p.1));
-        let surprise = share / ((to - from + 1) as f64 / bins.len() as f64);
-        all.push((surprise, Region { channel: channel.name, low, high, share }));
-    }
+    let all = channels(problem, axis).into_iter().chain(within_order(problem, fit, axis));
+    let mut all: Vec<(f64, Region)> = all.filter_map(|channel| region(problem, fit, channel)).collect();
     all.sort_by(|a, b| b.0.total_cmp(&a.0));
     all.into_iter().map(|(_, region)| region).collect()
+}
+
+/// The range of a channel around its worst bin, and how many times its share of the points its share of the excess is.
+fn region(problem: &Problem, fit: &Fit, channel: Channel) -> Option<(f64, Region)> {
+    let bins = bins(&channel);
+    let square = |index: usize| fit.residual[index].powi(2) - 1.0;
+    let excess: Vec<f64> = bins.iter().map(|bin| bin.iter().map(|(index, _)| square(*index)).sum()).collect();
+    // Bins of few values differ in size: the worst is the one with the most in each point.
+    let density: Vec<f64> = excess.iter().zip(&bins).map(|(excess, bin)| excess / bin.len() as f64).collect();
+    let top = (0..bins.len()).max_by(|&a, &b| density[a].total_cmp(&density[b]))?;
+    if density[top] <= 0.0 {
+        return None;
+    }
+    // Neighbours with at least half the top's excess belong to it.
+    let (mut from, mut to) = (top, top);
+    while from > 0 && density[from - 1] > 0.5 * density[top] {
+        from -= 1;
+    }
+    while to + 1 < bins.len() && density[to + 1] > 0.5 * density[top] {
+        to += 1;
+    }
+    let in_blocks = |bins: &[Vec<(usize, f64)>]| {
+        let mut sums = vec![0.0; problem.blocks];
+        bins.iter().flatten().for_each(|(index, _)| sums[problem.equations[*index].block] += square(*index));
+        sums
+    };
+    let share = share(&in_blocks(&bins[from..=to]), &in_blocks(&bins));
+    let points = |bins: &[Vec<(usize, f64)>]| bins.iter().map(Vec::len).sum::<usize>() as f64;
+    let surprise = share.share / (points(&bins[from..=to]) / points(&bins));
+    let (low, high) = (bins[from].first()?.1, bins[to].last()?.1);
+    let Channel { name, .. } = channel;
+    Some((
+        surprise,
+        Region { channel: name, low, high, share: share.share, share_low: share.low, share_high: share.high },
+    ))
 }
 
 /// Mean residual torque over each channel with its 95 % band, N m (N).

@@ -31,6 +31,9 @@ pub struct Answer {
     pub fit: FitAnswer,
     /// Spans of time in which the nominal model fails most.
     pub locations: Vec<Location>,
+    /// In each recording the first sample that the nominal model cannot explain.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub first_unexplained: Vec<FirstUnexplained>,
     /// Ranges of state in which it fails most.
     pub regions: Vec<Region>,
     /// What was tried and not taken.
@@ -120,6 +123,10 @@ pub struct Location {
     pub end_s: f64,
     /// Share of the excess, 1.
     pub share: f64,
+    /// Lower end of the share's 95 % band.
+    pub share_low: f64,
+    /// Upper end of the share's 95 % band.
+    pub share_high: f64,
     /// What happens there.
     pub text: String,
 }
@@ -135,6 +142,21 @@ pub struct Region {
     pub high: f64,
     /// Share of the excess, 1.
     pub share: f64,
+    /// Lower end of the share's 95 % band.
+    pub share_low: f64,
+    /// Upper end of the share's 95 % band.
+    pub share_high: f64,
+}
+
+/// The first sample of a recording that noise does not explain.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FirstUnexplained {
+    /// Name of the recording.
+    pub recording: String,
+    /// Its row, the first is 1.
+    pub row: usize,
+    /// s.
+    pub t_s: f64,
 }
 
 /// An effect that was tried and not taken.

@@ -8,7 +8,8 @@ mod text;
 mod units;
 
 pub use answer::{
-    Answer, EffectAnswer, Evidence, Experiment, FitAnswer, Interval, Location, Region, Rejected, ResidualMap, Verdict,
+    Answer, EffectAnswer, Evidence, Experiment, FirstUnexplained, FitAnswer, Interval, Location, Region, Rejected,
+    ResidualMap, Verdict,
 };
 pub use improved::improved_machine;
 pub use text::summary;

@@ -54,8 +54,10 @@ fn write_summary(text: &mut String, answer: &Answer) -> std::fmt::Result {
         let (from, to) = (location.start_s, location.end_s);
         writeln!(
             text,
-            "{:.0} % of the excess at {from:.2} to {to:.2} s of {}: {}",
+            "{:.0} % ({:.0} to {:.0} %) of the excess at {from:.2} to {to:.2} s of {}: {}",
             100.0 * location.share,
+            100.0 * location.share_low,
+            100.0 * location.share_high,
             location.recording,
             location.text
         )?;

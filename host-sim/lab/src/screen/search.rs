@@ -8,6 +8,7 @@ use super::judge::{MIN_GAIN, Trial, p_value, paired_t, relative_t, worse};
 use super::noise::weights;
 use super::problem::{Active, Problem};
 use crate::effects::{Effect, Excitation};
+use crate::progress::Progress;
 
 /// Effects of a combination at most, orders of cogging counted as one.
 const MAX_EFFECTS: usize = 4;
@@ -187,8 +188,10 @@ impl<'a> Search<'a> {
             })
             .collect();
         let known = self.fitter().base(base);
+        let progress = Progress::new(&format!("effects on top of {}", base.active.len()), open.len() as u64);
         let fitted: Vec<(&'static Effect, Fit, usize)> = open
             .par_iter()
+            .inspect(|_| progress.advance(1))
             .filter_map(|&effect| {
                 let (fit, variants) = self.attempt(base, &known, effect)?;
                 let fit = if effect.id == "cogging" { self.more_orders(base, fit, effect) } else { fit };
@@ -223,6 +226,14 @@ impl<'a> Search<'a> {
             .iter()
             .filter(|trial| trial.accepted() && cost(trial) < cost(best) && !worse(&trial.fit, &best.fit));
         rivals.min_by_key(|trial| cost(trial)).or(Some(best))
+    }
+
+    /// What the first step from the nominal machine accepts, best held-out first.
+    pub fn first_step(mut self) -> Vec<Trial> {
+        let base = self.fitter().fit(&[], 0);
+        let mut trials = self.round(&base);
+        trials.retain(Trial::accepted);
+        trials
     }
 
     /// Runs the search from a model; without one from the nominal machine.

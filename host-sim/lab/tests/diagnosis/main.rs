@@ -6,3 +6,4 @@ mod cases;
 mod coverage;
 mod real;
 mod score;
+mod size;

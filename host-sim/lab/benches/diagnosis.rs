@@ -1,0 +1,82 @@
+//! Time of a diagnosis: the whole vocabulary on three recordings of 8 s at 2 kHz, two to fit and one held out, of a machine
+//! whose damper lags more than its model says. Prints what each stage took. `cargo bench -p lab --bench diagnosis`
+#![allow(clippy::unwrap_used, missing_docs)]
+
+use std::hint::black_box;
+use std::time::Duration;
+
+use criterion::{Criterion, criterion_group, criterion_main};
+use er_servo::Config;
+use er_servo::experiment::{Experiment, Shape};
+use lab::decide::{Request, diagnose};
+use lab::effects::{Physics, VOCABULARY};
+use lab::read::{Axis, AxisKind, ErNominal, Machine, PlantNominal, Recording};
+use lab::refit::model;
+use lab::simulate::{Reference, Setup, record, run};
+
+fn machine() -> Machine {
+    Machine {
+        file: "machine.toml".into(),
+        name: "er-dd-servo".to_owned(),
+        axis: Axis { kind: AxisKind::Rotary, sample_period_s: 5e-4, resolution: std::f64::consts::TAU / 491_520.0 },
+        plant: PlantNominal {
+            inertia: 0.075,
+            coulomb: 0.763,
+            viscous: 0.0,
+            torque_gain: 1.0,
+            torque_offset: 0.0,
+            torque_limit: Some(30.0),
+            torque_delay_s: 0.005,
+            er: Some(ErNominal { a: 0.0704, b: 0.470, dead_time_s: 0.002, lag_s: 0.003 }),
+        },
+        controller: None,
+        effects: Vec::new(),
+    }
+}
+
+/// Steps, a multisine and other steps of the true machine, with torque noise.
+fn recordings(truth: &Physics) -> Vec<Recording> {
+    let shapes = [
+        Shape::Steps { amplitude_rad: 0.9, dwell_s: 0.5, seed: 1 },
+        Shape::Multisine { amplitude_rad: 0.5, low_hz: 0.2, high_hz: 3.0, tones: 8 },
+        Shape::Steps { amplitude_rad: 0.6, dwell_s: 0.4, seed: 77 },
+    ];
+    let record = |(seed, shape)| {
+        let setup = Setup {
+            model: model(truth, 0),
+            config: Config::default(),
+            disturbances: Vec::new(),
+            sensor_noise_rad: 0.0,
+            torque_noise_nm: 0.05,
+            seed,
+        };
+        let reference = Reference::Experiment(Experiment { shape, duration_s: 8.0 });
+        record("a.csv", &run(&setup, reference.positions(5e-4).unwrap()).unwrap())
+    };
+    (1..).zip(shapes).map(record).collect()
+}
+
+fn one_missing_effect(c: &mut Criterion) {
+    let machine = machine();
+    let mut group = c.benchmark_group("diagnosis");
+    group.sample_size(10).measurement_time(Duration::from_secs(30));
+    for (name, lag_s) in [("nothing_missing", 0.003), ("field_lag", 0.008)] {
+        let mut truth = Physics::nominal(&machine);
+        if let Some(damper) = &mut truth.damper {
+            (damper.rise_s, damper.fall_s) = (lag_s, lag_s);
+        }
+        let files = recordings(&truth);
+        let (recordings, holdout) = files.split_at(2);
+        let request = Request { machine: &machine, recordings, holdout, vocabulary: &VOCABULARY };
+        let once = diagnose(&request).unwrap();
+        println!("{name}: {:?}", once.answer.verdict);
+        for (stage, took) in once.stages.taken() {
+            println!("    {stage:24} {:6.3} s", took.as_secs_f64());
+        }
+        group.bench_function(name, |b| b.iter(|| black_box(diagnose(&request).unwrap())));
+    }
+    group.finish();
+}
+
+criterion_group!(benches, one_missing_effect);
+criterion_main!(benches);

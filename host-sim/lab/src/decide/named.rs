@@ -1,0 +1,122 @@
+//! The effects of the best model, and those that were not taken.
+
+use super::fitted::explained;
+use super::prepare::Searched;
+use super::{Refined, Request, equivalents, intervals};
+use crate::read::{AxisKind, vocabulary};
+use crate::report::{EffectAnswer, Evidence, Interval, Rejected};
+use crate::screen::{Fit, MAX_P, MIN_GAIN, Outcome, Problem, Refitter, Trial};
+
+/// Every effect of the best model with its evidence, strongest first.
+pub(super) fn effects(request: &Request<'_>, searched: &Searched, refined: &Refined) -> Vec<EffectAnswer> {
+    let (problem, outcome) = (&searched.problem, &searched.outcome);
+    let refitter = Refitter::new(problem, outcome);
+    let each = 0..outcome.fit.active.len();
+    let mut effects: Vec<EffectAnswer> =
+        each.map(|index| effect_answer(request, problem, &refitter, outcome, refined, index)).collect();
+    effects.extend(glitches(request, problem));
+    effects.sort_by(|a, b| b.evidence.heldout_gain.total_cmp(&a.evidence.heldout_gain));
+    effects
+}
+
+fn effect_answer(
+    request: &Request<'_>,
+    problem: &Problem,
+    refitter: &Refitter<'_>,
+    outcome: &Outcome,
+    refined: &Refined,
+    index: usize,
+) -> EffectAnswer {
+    let fit = &outcome.fit;
+    let entry = &fit.active[index];
+    let mut rest = fit.active.clone();
+    rest.remove(index);
+    let without: Fit = refitter.fit(&rest);
+    let floor = fit.residual_count();
+    let evidence = Evidence {
+        heldout_gain: 1.0 - (fit.heldout_sse() / without.heldout_sse().max(1e-300)).sqrt(),
+        p_value: (refitter.p_value(&without, fit) * outcome.variants as f64).min(1.0),
+        excess_explained: explained(without.sse, fit.sse, floor),
+    };
+    let axis = request.machine.axis.kind;
+    let names = vocabulary::effect(entry.effect.id).map_or(&[] as &[vocabulary::Parameter], |kind| kind.parameters);
+    let values = intervals(&refined.active, &refined.covariance, index);
+    let parameters = parameters(names, &values, axis);
+    let recording = (entry.effect.id == "disturbance_pulse")
+        .then(|| problem.motions.get(entry.values[0] as usize).map(|motion| motion.name.clone()))
+        .flatten();
+    let others = equivalents(refitter, fit, index, request.vocabulary);
+    EffectAnswer {
+        id: entry.effect.id.to_owned(),
+        text: entry.effect.sentence.to_owned(),
+        equivalent: others.iter().map(|effect| effect.id.to_owned()).collect(),
+        parameters,
+        evidence,
+        recording,
+    }
+}
+
+/// Isolated wrong samples, as an effect; a single one is an accident.
+fn glitches(request: &Request<'_>, problem: &Problem) -> Option<EffectAnswer> {
+    let kind = request.vocabulary.iter().find(|effect| effect.id == "sensor_glitch")?;
+    let sizes: Vec<f64> =
+        problem.motions.iter().flat_map(|m| m.glitches.iter().map(|glitch| glitch.size.abs())).collect();
+    let samples: usize = problem.motions.iter().map(|m| m.cells() + 1).sum();
+    if sizes.len() < 5 {
+        return None;
+    }
+    let (count, samples) = (sizes.len() as f64, samples as f64);
+    let fraction = count / samples;
+    let mean = sizes.iter().sum::<f64>() / count;
+    let deviation = (sizes.iter().map(|size| (size - mean).powi(2)).sum::<f64>() / (count - 1.0) / count).sqrt();
+    let names = vocabulary::effect(kind.id).map_or(&[] as &[vocabulary::Parameter], |kind| kind.parameters);
+    // A count is Poisson.
+    let values = [(fraction, 1.96 * count.sqrt() / samples), (mean, 1.96 * deviation)];
+    let evidence = Evidence { heldout_gain: 0.0, p_value: 0.0, excess_explained: 1.0 };
+    Some(EffectAnswer {
+        id: kind.id.to_owned(),
+        text: kind.sentence.to_owned(),
+        equivalent: Vec::new(),
+        parameters: parameters(names, &values, request.machine.axis.kind),
+        evidence,
+        recording: None,
+    })
+}
+
+fn parameters(names: &[vocabulary::Parameter], values: &[(f64, f64)], axis: AxisKind) -> Vec<Interval> {
+    let pairs = names.iter().zip(values);
+    pairs
+        .map(|(name, &(value, half))| Interval {
+            id: name.id(axis).to_owned(),
+            value,
+            low: value - half,
+            high: value + half,
+            unit: name.unit(axis).to_owned(),
+        })
+        .collect()
+}
+
+/// Effects that were tried and not taken.
+pub(super) fn rejected(request: &Request<'_>, outcome: &Outcome, effects: &[EffectAnswer]) -> Vec<Rejected> {
+    let axis = request.machine.axis.kind;
+    let open = outcome.trials.iter().filter(|trial| !effects.iter().any(|effect| effect.id == trial.effect.id));
+    open.map(|trial| Rejected { id: trial.effect.id.to_owned(), heldout_gain: trial.gain, why: why(trial, axis) })
+        .collect()
+}
+
+fn why(trial: &Trial, axis: AxisKind) -> String {
+    if trial.gain < MIN_GAIN {
+        return format!("less than {:.0} % less held-out error", 100.0 * MIN_GAIN);
+    }
+    if trial.p_value >= MAX_P {
+        return format!("not significant after correction, p = {:.1e}", trial.p_value);
+    }
+    if !trial.accepted() {
+        return format!("its gain is not in enough of the blocks, t = {:.1} over blocks", trial.t);
+    }
+    let names = vocabulary::effect(trial.effect.id).map_or(&[] as &[vocabulary::Parameter], |kind| kind.parameters);
+    let values = trial.fit.active.last().map_or(Vec::new(), |entry| (entry.effect.report)(&entry.values));
+    let found: Vec<String> =
+        names.iter().zip(values).map(|(name, value)| format!("{} = {value:.5}", name.id(axis))).collect();
+    format!("another effect predicts better, or as well with fewer parameters; alone it would be {}", found.join(", "))
+}

@@ -1,0 +1,56 @@
+//! All that the twins say of a diagnosis.
+
+use rayon::prelude::*;
+
+use super::{Noise, estimate, falsely_found, noise_floor};
+use crate::Error;
+use crate::decide::Request;
+use crate::decide::prepare::Searched;
+use crate::effects::Physics;
+
+/// What the twins of the fitted recordings say.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Twins {
+    /// Root mean square of the windows that noise alone leaves, rad (m); none where no twin could be made.
+    pub noise_floor_rms: Option<f64>,
+    /// Effects that the search finds in a machine from which nothing is missing; none, if the tool is right.
+    pub falsely_found: Vec<&'static str>,
+    /// In words, what failed.
+    pub warnings: Vec<String>,
+}
+
+impl Twins {
+    /// Makes twins of the improved machine, measures the floor on them and searches one set of them.
+    pub(in crate::decide) fn of(request: &Request<'_>, searched: &Searched, improved: &Physics) -> Self {
+        let (problem, outcome) = (&searched.problem, &searched.outcome);
+        let resolution = request.machine.axis.resolution;
+        let noises: Vec<Noise> = (0..problem.fitted)
+            .into_par_iter()
+            .map(|index| estimate(problem, &outcome.fit, &outcome.weights, index, resolution))
+            .collect();
+        match Self::made(request, searched, improved, &noises) {
+            Ok(twins) => twins,
+            Err(error) => Self {
+                warnings: vec![format!("no clean synthetic twin could be made, so the floor is an estimate: {error}")],
+                ..Self::default()
+            },
+        }
+    }
+
+    fn made(request: &Request<'_>, searched: &Searched, improved: &Physics, noises: &[Noise]) -> Result<Self, Error> {
+        let problem = &searched.problem;
+        let recordings = &searched.recordings[..problem.fitted];
+        let floor = noise_floor(improved, recordings, &problem.motions, noises)?;
+        let falsely_found = falsely_found(request, improved, recordings, &problem.motions, noises)?;
+        let mut warnings = floor.warnings;
+        if !falsely_found.is_empty() {
+            warnings.push(format!(
+                "self-check failed: in a clean synthetic twin of these recordings, from which nothing is missing (seed {}), \
+                 the search found {}; the same in the answer may be the tool's own making",
+                super::clean::SEED,
+                falsely_found.join(", ")
+            ));
+        }
+        Ok(Self { noise_floor_rms: Some(floor.rms), falsely_found, warnings })
+    }
+}

@@ -1,0 +1,95 @@
+//! None, named, ambiguous or unknown; and what the user should know before believing it.
+
+use super::fitted::explained;
+use super::prepare::Searched;
+use super::twin::Twins;
+use crate::locate::Leftover;
+use crate::report::{EffectAnswer, FitAnswer, Verdict};
+use crate::screen::MIN_GAIN;
+
+/// Share of the excess that a model must explain to be named: substitutes explain 0.5 in the median and 0.8 at the 95th
+/// percentile (diagnosis.md).
+const EXPLAINS: f64 = 0.85;
+/// A substitute can come close where the effect is large. What is left far above the noise, in mean squares of it,
+const FAR: f64 = 3.0;
+/// is only the roughness of a real machine if it is this small a share of what there was.
+const WHOLE: f64 = 0.98;
+/// The windows of a true model come down to their floor; this many times the floor is something else. Windows of a model
+/// with a memory start from a state that is known less well.
+const OVER_FLOOR: f64 = 3.0;
+/// The same for a model with a memory.
+const OVER_FLOOR_WITH_MEMORY: f64 = 10.0;
+/// An effect that lowers the held-out error by less does not make the whole answer uncertain where it has equivalents.
+const MINOR: f64 = 0.1;
+
+/// The verdict where the controller is right or not known.
+pub(super) fn verdict(
+    searched: &Searched,
+    effects: &[EffectAnswer],
+    fit: &FitAnswer,
+    left: &Leftover,
+    twins: &Twins,
+) -> Verdict {
+    if is_unknown(searched, fit, left, twins) {
+        return Verdict::Unknown;
+    }
+    let uncertain = |effect: &EffectAnswer| {
+        // What is also found where nothing is missing may be the tool's own making.
+        let phantom = twins.falsely_found.contains(&effect.id.as_str());
+        phantom || !effect.equivalent.is_empty() && effect.evidence.heldout_gain > MINOR
+    };
+    match effects {
+        [] => Verdict::None,
+        effects if effects.iter().any(uncertain) => Verdict::Ambiguous,
+        _ => Verdict::Named,
+    }
+}
+
+/// Whether something is left that the best model should have explained.
+fn is_unknown(searched: &Searched, fit: &FitAnswer, left: &Leftover, twins: &Twins) -> bool {
+    let outcome = &searched.outcome;
+    let physics = searched.problem.machine(&outcome.fit.active);
+    let preyield = physics.damper.as_ref().is_some_and(|damper| damper.preyield.is_finite());
+    let memory = physics.load.is_some() || physics.presliding.is_finite() || preyield;
+    let over = if memory { OVER_FLOOR_WITH_MEMORY } else { OVER_FLOOR };
+    // Standstill tells nothing in the weak form, and may tell all in the windows.
+    let above_floor = twins.noise_floor_rms.is_some_and(|floor| fit.after_rms > over * floor);
+    if outcome.fit.active.is_empty() {
+        // Far above the noise is something, even where no channel of state predicts it.
+        return above_floor || left.excess > 2.5 || left.gain >= MIN_GAIN && left.excess > 1.5;
+    }
+    let explains = explained(outcome.nominal.sse, outcome.fit.sse, outcome.fit.residual_count());
+    explains < EXPLAINS || explains < WHOLE && left.excess > FAR || above_floor
+}
+
+/// What the user should know before believing the answer.
+pub(super) fn warnings(searched: &Searched, left: &Leftover, verdict: Verdict) -> Vec<String> {
+    let mut warnings = Vec::new();
+    if let Some(filter_s) = searched.effort_filter_s {
+        warnings.push(format!(
+            "the recorded torque is no command: it follows what acted as if measured behind a filter of {filter_s:.3} s, and \
+             was corrected for that"
+        ));
+    }
+    if left.excess > FAR && verdict != Verdict::Unknown {
+        warnings.push(format!(
+            "{:.1} times the estimated noise is still left after the best model, most of it over {}",
+            left.excess.sqrt(),
+            if left.channel.is_empty() { "no channel of state" } else { &left.channel }
+        ));
+    }
+    for entry in &searched.outcome.fit.active {
+        for (value, range) in entry.values.iter().zip(&entry.ranges) {
+            let near = |bound: f64| bound.is_finite() && (value - bound).abs() <= 1e-6 * range.scale;
+            if near(range.high) || near(range.low) && range.low != 0.0 {
+                let id = entry.effect.id;
+                warnings.push(format!("{id}: a value stands at the bound of what was searched, {value}"));
+            }
+        }
+    }
+    let repaired: usize = searched.problem.motions.iter().map(|m| m.glitches.len()).sum();
+    if repaired > 0 {
+        warnings.push(format!("{repaired} isolated wrong position samples were left out"));
+    }
+    warnings
+}
