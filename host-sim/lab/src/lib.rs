@@ -12,6 +12,7 @@ pub mod locate;
 pub mod output;
 pub mod paper;
 pub mod plot;
+pub mod propose;
 pub mod progress;
 pub mod read;
 pub mod refit;

@@ -9,7 +9,7 @@ mod noise;
 mod orders;
 mod start_state;
 #[cfg(test)]
-mod testing;
+pub(crate) mod testing;
 mod window;
 
 pub use commands::recorded_commands;
