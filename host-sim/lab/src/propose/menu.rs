@@ -67,10 +67,15 @@ pub(super) fn menu(scale: &Scale) -> Vec<Item> {
 /// Seed of the levels of steps.
 pub(super) const STEPS_SEED: u32 = 1;
 
-/// To three digits, so that the flags of a command give the same motion.
+/// Ten to the number of decimals that three digits of a value have.
+fn decimals(value: f64) -> f64 {
+    10.0_f64.powf(2.0 - value.abs().max(1e-12).log10().floor())
+}
+
+/// Down to three digits, so that the flags of a command give the same motion, and no limit is passed.
 fn rounded(value: f64) -> f32 {
-    let decimals = 10.0_f64.powf(2.0 - value.abs().max(1e-12).log10().floor());
-    ((value * decimals).round() / decimals) as f32
+    let decimals = decimals(value);
+    ((value * decimals).floor() / decimals) as f32
 }
 
 /// Radians that are a number of degrees of three digits, as `link run` and `simulate` take them.
@@ -127,5 +132,7 @@ impl Item {
 
 /// The three digits that [`rounded_deg`] left.
 fn deg(radians: f32) -> f32 {
-    rounded(f64::from(radians.to_degrees()))
+    let degrees = f64::from(radians.to_degrees());
+    let decimals = decimals(degrees);
+    ((degrees * decimals).round() / decimals) as f32
 }

@@ -3,7 +3,7 @@
 //! Each reference of a [`menu`] that stays within the machine's [`Limits`] is run in closed loop with the first model of
 //! each pair. The second one is driven by the same commands in short windows, fitted to them with the values it has, and
 //! what is left of it is held against the noise: [`Proposal::power`] is the probability that the paired test over blocks of
-//! 0.4 s (of the windows' sums of squares, relative to their size) tells the two apart at p < 1e-3. A reference is as good
+//! 0.4 s (of the windows' sums of squares) tells the two apart at p < 1e-3. A reference is as good
 //! as its worst pair.
 
 mod ambiguous;

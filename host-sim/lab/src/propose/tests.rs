@@ -4,7 +4,7 @@
 use er_servo::Config;
 use plant::{Command, Plant, State};
 
-use super::power::{paired_t, tells};
+use super::power::{critical_t, paired_t};
 use super::*;
 use crate::effects::{Excitation, Physics, find};
 use crate::read::{Axis, ErNominal, PlantNominal};
@@ -101,8 +101,8 @@ fn told_apart(request: &Request<'_>, recording: &Recording) -> bool {
     let noise = Noise::new(request.sensor_rms, request.floor_rms, motion.rows, 5e-4);
     let blocks = |of: &Rival| contest.blocks(&contest.left(of).unwrap(), &noise, STRIDE);
     let (right, rival) = (blocks(right), blocks(rival));
-    let t = paired_t(right.iter().zip(&rival).map(|(a, b)| (a.energy, b.energy)));
-    tells(t, right.len())
+    let pairs: Vec<(f64, f64)> = right.iter().zip(&rival).map(|(a, b)| (a.energy, b.energy)).collect();
+    paired_t(&pairs) > critical_t(pairs.len())
 }
 
 fn share_told_apart(request: &Request<'_>, proposal: &Proposal, seeds: u64) -> f64 {
