@@ -7,6 +7,7 @@ use super::{Covariance, equivalents, intervals};
 use crate::Error;
 use crate::effects::{Effect, Physics};
 use crate::locate::{Leftover, leftover, locations, regions, residual_map};
+use crate::propose::{Proposal, for_ambiguous};
 use crate::read::vocabulary;
 use crate::read::{AxisKind, Machine, Recording};
 use crate::refit::{HORIZON_S, Windows};
@@ -35,6 +36,8 @@ pub struct Diagnosis {
     pub nominal: Physics,
     /// The improved machine.
     pub improved: Physics,
+    /// What to record next, where the verdict is ambiguous.
+    pub proposal: Option<Proposal>,
 }
 
 /// Share of the excess that a model must explain to be named: substitutes explain 0.5 in the median and 0.8 at the 95th
@@ -67,6 +70,9 @@ pub fn diagnose(request: &Request<'_>) -> Result<Diagnosis, Error> {
     warn(&problem, fit, &left, verdict, &mut warnings);
     let map =
         if verdict == Verdict::Unknown { residual_map(&problem, fit, &outcome.weights, axis) } else { Vec::new() };
+    let proposal = (verdict == Verdict::Ambiguous)
+        .then(|| for_ambiguous(request.machine, request.recordings, &problem, &outcome, &effects))
+        .flatten();
     let answer = Answer {
         schema: 1,
         verdict,
@@ -75,11 +81,11 @@ pub fn diagnose(request: &Request<'_>) -> Result<Diagnosis, Error> {
         regions: if verdict == Verdict::None { Vec::new() } else { regions(&problem, &outcome.nominal, axis) },
         rejected: rejected(request, &outcome, &effects),
         effects,
-        experiment: None,
+        experiment: proposal.as_ref().map(Proposal::experiment),
         warnings,
         residual_map: map,
     };
-    Ok(Diagnosis { answer, nominal, improved })
+    Ok(Diagnosis { answer, nominal, improved, proposal })
 }
 
 /// Searches twice: the smoother knew the nominal torques only; with those of the improved machine reversals are where they
