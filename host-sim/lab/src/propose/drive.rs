@@ -150,10 +150,8 @@ fn pd(model: &Model, reference: &[f64], gains: [f64; 3], period_s: f64) -> Resul
     for (tick, wanted) in reference.iter().enumerate() {
         let state = *plant.state();
         let torque = stiffness * (wanted - plant.position_at_sensor()) - damping * state.velocity;
-        let command = Command {
-            speed_estimate: state.velocity,
-            ..Command::new(torque.clamp(-torque_limit, torque_limit), 0.0)
-        };
+        let command =
+            Command { speed_estimate: state.velocity, ..Command::new(torque.clamp(-torque_limit, torque_limit), 0.0) };
         states.push(state);
         commands.push(command);
         plant.advance(&command, (tick + 1) as f64 * period_s)?;

@@ -22,7 +22,8 @@ impl Limits {
     /// `[controller]` states the torque and the speed it trips at. A rotary axis under that law may turn once around, as
     /// nothing in a machine file bounds its angle; any other axis keeps to the travel of its recordings.
     pub fn of(machine: &Machine, recordings: &[Recording]) -> Self {
-        let shown = recordings.iter().map(Self::shown).fold(Self { speed: 0.0, torque: 0.0, travel: 0.0 }, Self::either);
+        let shown =
+            recordings.iter().map(Self::shown).fold(Self { speed: 0.0, torque: 0.0, travel: 0.0 }, Self::either);
         let Some(config) = &machine.controller else {
             return Self { torque: shown.torque.min(machine.plant.torque_limit.unwrap_or(f64::INFINITY)), ..shown };
         };

@@ -1,5 +1,7 @@
 //! The references to choose from: all built into the firmware, so that a drive runs them without a host.
 
+use std::f64::consts::TAU;
+
 use er_servo::experiment::{Experiment, Shape};
 
 use super::Limits;
@@ -54,7 +56,7 @@ pub(super) fn menu(scale: &Scale) -> Vec<Item> {
         ("slow ramp with reversals", ramp(0.15, 0.08)),
         ("constant speed both ways", ramp(0.8, 0.35)),
         ("fast constant speed both ways", ramp(4.0, 1.6)),
-        ("long slow travel", ramp(1.6, 6.28)),
+        ("long slow travel", ramp(1.6, TAU)),
     ];
     let item = |(name, shape)| Item {
         name,

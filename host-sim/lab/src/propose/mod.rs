@@ -30,6 +30,7 @@ pub use write::write_reference;
 use crate::Error;
 use crate::read::{AxisKind, Machine, Recording};
 use crate::refit::HORIZON_S;
+use crate::report::Experiment;
 use drive::{Loop, Motion, STRIDE};
 use menu::{DURATION_S, STEPS_SEED, Scale, menu};
 use noise::Noise;
@@ -103,6 +104,13 @@ pub struct Proposal {
     pub steps_seed: u32,
     /// Of the drawn noise that the power is counted over.
     pub power_seed: u64,
+}
+
+impl Proposal {
+    /// As an answer has it; its reference has not been written yet.
+    pub fn experiment(&self) -> Experiment {
+        Experiment { text: self.text.clone(), separates: self.separates.clone(), reference_csv: None }
+    }
 }
 
 /// A power that is worth the time of a recording.

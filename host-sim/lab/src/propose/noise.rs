@@ -25,9 +25,8 @@ impl Noise {
         let sensor = sensor.max(1e-9);
         let take_line = without_line(rows);
         let dt2 = period_s * period_s;
-        let response = DMatrix::from_fn(rows, rows, |row, tick| {
-            if row > tick { dt2 * ((row - tick) as f64 - 0.5) } else { 0.0 }
-        });
+        let response =
+            DMatrix::from_fn(rows, rows, |row, tick| if row > tick { dt2 * ((row - tick) as f64 - 0.5) } else { 0.0 });
         let pushed = &take_line * response;
         let of_torque = &pushed * pushed.transpose();
         let beyond = rows as f64 * floor * floor - take_line.trace() * sensor * sensor;

@@ -3,10 +3,10 @@
 use nalgebra::{DMatrix, DVector};
 use plant::{Mechanics, Timeline};
 
+use super::Rival;
 use super::drive::Motion;
 use super::noise::Noise;
 use super::power::Block;
-use super::Rival;
 use crate::effects::Physics;
 use crate::refit::model;
 
