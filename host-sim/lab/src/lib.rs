@@ -8,6 +8,7 @@ pub mod decide;
 pub mod decode;
 pub mod effects;
 pub mod error;
+pub mod guide;
 pub mod locate;
 pub mod output;
 pub mod paper;

@@ -14,6 +14,7 @@ mod noise;
 mod power;
 mod rival;
 mod separation;
+mod signature;
 #[cfg(test)]
 mod tests;
 mod write;
@@ -25,6 +26,7 @@ pub use limits::Limits;
 pub use menu::Item;
 pub use power::P_VALUE;
 pub use rival::Rival;
+pub use signature::{floor_of, mismatch, power_of, signature};
 pub use write::write_reference;
 
 use crate::Error;

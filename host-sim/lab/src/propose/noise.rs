@@ -23,18 +23,29 @@ impl Noise {
     pub(super) fn new(sensor: f64, floor: f64, rows: usize, period_s: f64) -> Self {
         // A continuous sensor without torque noise would make every difference infinite.
         let sensor = sensor.max(1e-9);
-        let take_line = without_line(rows);
-        let dt2 = period_s * period_s;
-        let response =
-            DMatrix::from_fn(rows, rows, |row, tick| if row > tick { dt2 * ((row - tick) as f64 - 0.5) } else { 0.0 });
-        let pushed = &take_line * response;
-        let of_torque = &pushed * pushed.transpose();
-        let beyond = rows as f64 * floor * floor - take_line.trace() * sensor * sensor;
+        let (of_sensor, of_torque) = shapes(rows, period_s);
+        let beyond = rows as f64 * floor * floor - of_sensor.trace() * sensor * sensor;
         let acceleration = (beyond / of_torque.trace()).max(0.0).sqrt();
-        let covariance = take_line * (sensor * sensor) + of_torque * (acceleration * acceleration);
+        Self::of_shapes(sensor, acceleration, period_s, &of_sensor, &of_torque)
+    }
+
+    /// Noise of known sources: of the position, rad (m), and of the acceleration in each sample, rad/s2 (m/s2).
+    pub(super) fn of_sources(sensor: f64, acceleration: f64, rows: usize, period_s: f64) -> Self {
+        let (of_sensor, of_torque) = shapes(rows, period_s);
+        Self::of_shapes(sensor, acceleration, period_s, &of_sensor, &of_torque)
+    }
+
+    fn of_shapes(
+        sensor: f64,
+        acceleration: f64,
+        period_s: f64,
+        of_sensor: &DMatrix<f64>,
+        of_torque: &DMatrix<f64>,
+    ) -> Self {
+        let covariance = of_sensor * (sensor * sensor) + of_torque * (acceleration * acceleration);
         let energy = covariance.trace();
         let freedom = energy * energy / covariance.norm_squared();
-        Self { rows, period_s, sensor, acceleration, energy, freedom }
+        Self { rows: covariance.nrows(), period_s, sensor, acceleration, energy, freedom }
     }
 
     /// Variance of the noise along a difference that is `difference` over the rows of a window.
@@ -58,6 +69,16 @@ impl Noise {
     }
 }
 
+/// Covariances of a window under unit noise of the sensor and of the acceleration, the best line taken out.
+fn shapes(rows: usize, period_s: f64) -> (DMatrix<f64>, DMatrix<f64>) {
+    let take_line = without_line(rows);
+    let dt2 = period_s * period_s;
+    let response = |row: usize, tick: usize| if row > tick { dt2 * ((row - tick) as f64 - 0.5) } else { 0.0 };
+    let pushed = &take_line * DMatrix::from_fn(rows, rows, response);
+    let of_torque = &pushed * pushed.transpose();
+    (take_line, of_torque)
+}
+
 /// The projection that takes the best line, start position and speed, out of a window.
 fn without_line(rows: usize) -> DMatrix<f64> {
     let count = rows as f64;
@@ -75,6 +96,8 @@ mod tests {
         let noise = Noise::new(3.7e-6, 2e-5, 100, 5e-4);
         assert!((noise.rms() / 2e-5 - 1.0).abs() < 1e-9, "{:e}", noise.rms());
         assert!(noise.freedom < 5.0, "torque noise has few shapes: {}", noise.freedom);
+        let again = Noise::of_sources(3.7e-6, noise.acceleration, 100, 5e-4);
+        assert!((again.rms() / 2e-5 - 1.0).abs() < 1e-9);
         let white = Noise::new(3.7e-6, 3.6e-6, 100, 5e-4);
         assert!((white.freedom - 98.0).abs() < 1e-6 && white.acceleration == 0.0);
         // Along one pushed sample, by the response itself.

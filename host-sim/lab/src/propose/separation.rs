@@ -123,6 +123,16 @@ impl<'a> Contest<'a> {
         Some(Point { values, base, speeds, residual })
     }
 
+    /// What is left of the rival with the values it comes with, rad (m), window after window.
+    pub(super) fn unfitted(&self, rival: &Rival) -> Option<Vec<f64>> {
+        self.at(rival, rival.values()).map(|point| point.residual)
+    }
+
+    /// Positions of the model that made the motion, window after window, rad (m).
+    pub(super) fn positions(&self) -> &[f64] {
+        &self.truth
+    }
+
     /// What is left of the rival at its best values, rad (m), window after window.
     pub(super) fn left(&self, rival: &Rival) -> Option<Vec<f64>> {
         let mut best = self.at(rival, rival.values())?;

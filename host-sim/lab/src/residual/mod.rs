@@ -16,4 +16,5 @@ pub use commands::recorded_commands;
 pub use map::{Bin, Channel, Map};
 pub use noise::sensor_noise;
 pub use orders::{Order, Orders};
+pub(crate) use start_state::curvature;
 pub use window::{Residual, Window, residual};
