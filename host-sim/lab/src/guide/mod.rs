@@ -227,3 +227,22 @@ fn confused(index: usize, signatures: &[Option<Vec<f64>>]) -> Vec<Confused> {
     all.truncate(LISTED);
     all
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    #[test]
+    fn weak_fluid_is_confused_with_low_gain_on_a_sine_and_friction_is_seen_long_before_it_is_clear() {
+        let guide = Guide::default();
+        let place = |id: &str| SIZES.iter().position(|sized| sized.id == id).unwrap();
+        let sine = guide.signatures(&slow_sine());
+        let weak = confused(place("er_strength"), &sine);
+        assert!(weak.iter().any(|other| other.id == "field_gain"), "{weak:?}");
+        assert!(weak.is_sorted_by(|a, b| a.angle_deg <= b.angle_deg));
+        let friction = SIZES[place("coulomb_friction")];
+        let [half, most] = [0.5, 0.9].map(|power| guide.detectable(&friction, power).unwrap());
+        assert!(half <= most && most < 1.0, "{half} {most}");
+    }
+}

@@ -1,6 +1,6 @@
 //! What to record next: the reference that tells rival models apart best.
 //!
-//! Each reference of a [`menu`] that stays within the machine's [`Limits`] is run in closed loop with the first model of
+//! Each reference of a menu that stays within the machine's [`Limits`] is run in closed loop with the first model of
 //! each pair. The second one is driven by the same commands in short windows, fitted to them with the values it has, and
 //! what is left of it is held against the noise: [`Proposal::power`] is the probability that the paired test over blocks of
 //! 0.4 s (of the windows' sums of squares) tells the two apart at p < 1e-3. A reference is as good
