@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use crate::guide::{Guide, markdown};
-use crate::{Error, output};
+use crate::{Error, effects, output};
 
 /// Flags of `guide`.
 #[derive(Debug, clap::Args)]
@@ -11,15 +11,21 @@ pub struct Args {
     /// Folder for the pictures and the table; made if it is not there.
     #[arg(long, value_name = "DIR", default_value = "out/guide")]
     out: PathBuf,
+    /// Pages of these effects only; separated by commas.
+    #[arg(long, value_name = "ID", value_delimiter = ',')]
+    only: Vec<String>,
 }
 
 /// Computes the guide, writes pictures and table, prints the table.
 ///
 /// # Errors
-/// Outputs that cannot be written.
+/// An effect that does not exist, outputs that cannot be written.
 pub fn run(args: &Args) -> Result<(), Error> {
+    if let Some(id) = args.only.iter().find(|id| effects::find(id).is_none()) {
+        return Err(Error::Usage(format!("there is no effect `{id}`")));
+    }
     output::folder(&args.out)?;
-    let pages = Guide::default().pages();
+    let pages = Guide::default().pages(&args.only);
     for page in &pages {
         if let Some(figure) = &page.figure {
             figure.write(&args.out.join(format!("{}.svg", page.id)))?;

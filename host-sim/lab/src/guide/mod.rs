@@ -15,6 +15,7 @@ pub use table::markdown;
 
 use crate::effects::{Excitation, Physics, find};
 use crate::plot::Figure;
+use crate::progress::Progress;
 use crate::propose::{Item, Limits, Request, Rival, best, floor_of, power_of, signature};
 use crate::read::{Axis, AxisKind, ErNominal, Machine, PlantNominal, vocabulary};
 use sizes::{SIZES, Sized};
@@ -136,11 +137,18 @@ impl Guide {
         Some(Rival::single(&Physics::nominal(&self.machine), find(sized.id)?, (sized.at)(size), &excitation))
     }
 
-    /// One page for each effect that an experiment can show, in the order of the vocabulary.
-    pub fn pages(&self) -> Vec<Page> {
+    /// One page for each effect that an experiment can show, in the order of the vocabulary; with `only`, of those named.
+    pub fn pages(&self, only: &[String]) -> Vec<Page> {
         let rich = self.signatures(&default_experiments());
         let sine = self.signatures(&slow_sine());
-        (0..SIZES.len()).into_par_iter().filter_map(|index| self.page(index, &rich, &sine)).collect()
+        let wanted = |index: &usize| only.is_empty() || only.iter().any(|id| id == SIZES[*index].id);
+        let progress = Progress::new("field guide, effects", SIZES.len() as u64);
+        let page = |index| {
+            let page = self.page(index, &rich, &sine);
+            progress.advance(1);
+            page
+        };
+        (0..SIZES.len()).into_par_iter().filter(wanted).filter_map(page).collect()
     }
 
     /// Signature of each effect along motions of the default machine, as a unit vector.
