@@ -8,7 +8,7 @@ use crate::decide::{Request, diagnose};
 use crate::effects::{self, Effect};
 use crate::read::{Machine, Recording};
 use crate::report::html::{PlotData, page};
-use crate::{output, report};
+use crate::{output, propose, report};
 
 /// Flags of `diagnose`.
 #[derive(Debug, clap::Args)]
@@ -28,6 +28,9 @@ pub struct Args {
     /// Writes the machine file with the effects added, a model like any other.
     #[arg(long, value_name = "FILE")]
     write_model: Option<PathBuf>,
+    /// Writes the reference to record next as CSV, where the verdict is ambiguous.
+    #[arg(long, value_name = "FILE")]
+    experiment: Option<PathBuf>,
     /// Names only these effects; separated by commas.
     #[arg(long, value_name = "ID", value_delimiter = ',')]
     only: Vec<String>,
@@ -60,7 +63,13 @@ pub fn run(args: &Args) -> Result<(), Error> {
     };
     let (recordings, holdout) = (read(&args.recordings)?, read(&args.holdout)?);
     let request = Request { machine: &machine, recordings: &recordings, holdout: &holdout, vocabulary: &vocabulary };
-    let diagnosis = diagnose(&request)?;
+    let mut diagnosis = diagnose(&request)?;
+    if let (Some(file), Some(proposal), Some(experiment)) =
+        (&args.experiment, &diagnosis.proposal, &mut diagnosis.answer.experiment)
+    {
+        propose::write_reference(file, machine.axis.kind, &proposal.reference)?;
+        experiment.reference_csv = Some(file.display().to_string());
+    }
     let to_stdout = args.json.as_deref() == Some(Path::new("-"));
     if let Some(file) = &args.json {
         let text = serde_json::to_string_pretty(&diagnosis.answer)

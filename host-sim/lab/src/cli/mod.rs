@@ -4,10 +4,11 @@ mod compare;
 mod decode;
 mod demo;
 mod diagnose;
+mod guide;
 mod link;
 mod machine;
-mod prove;
 mod paper;
+mod prove;
 mod record;
 mod replay;
 mod simulate;
@@ -48,6 +49,8 @@ enum Command {
     Paper(paper::Args),
     /// Find gains that keep margins over the uncertainty of every delay, and settle fast; write the parameter file.
     Tune(tune::Args),
+    /// Field guide: what each effect looks like, what it is confused with, what tells them apart, how small it may be.
+    Guide(guide::Args),
     /// Do the main job on embedded data: loop, recording with something left out of the model, comparison.
     Demo(demo::Args),
 }
@@ -70,6 +73,7 @@ impl Cli {
             Command::Stability(args) => stability::run(args),
             Command::Paper(args) => paper::run(args),
             Command::Tune(args) => tune::run(args),
+            Command::Guide(args) => guide::run(args),
             Command::Demo(args) => demo::run(args),
         }
     }

@@ -70,7 +70,7 @@ pub fn diagnose(request: &Request<'_>) -> Result<Diagnosis, Error> {
     stages.done("controller and equivalents");
     let improved = searched.problem.machine(&refined.active);
     let mut diagnosis = Diagnosis {
-        answer: Answer { verdict, effects: answer, ..Answer::default() },
+        answer: Answer { schema: 1, verdict, effects: answer, ..Answer::default() },
         nominal,
         improved,
         proposal: None,
@@ -122,7 +122,13 @@ fn judge(
     }
     stages.done("locate");
     if answer.verdict == Verdict::Ambiguous {
-        *proposal = for_ambiguous(request.machine, request.recordings, problem, outcome, &answer.effects);
+        *proposal = for_ambiguous(
+            request.machine,
+            request.recordings,
+            (problem, outcome),
+            &answer.effects,
+            answer.fit.noise_floor_rms,
+        );
         answer.experiment = proposal.as_ref().map(Proposal::experiment);
         stages.done("propose");
     }

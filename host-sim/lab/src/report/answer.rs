@@ -3,10 +3,11 @@
 use serde::{Deserialize, Serialize};
 
 /// What the tool concludes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Verdict {
     /// Nothing is missing beyond the noise floor.
+    #[default]
     None,
     /// This is it.
     Named,
@@ -19,7 +20,7 @@ pub enum Verdict {
 }
 
 /// The whole answer.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Answer {
     /// 1.
     pub schema: u32,
@@ -92,7 +93,7 @@ pub struct Evidence {
 }
 
 /// Residual before and after.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct FitAnswer {
     /// Nominal model, on what was fitted.
     pub before_rms: f64,

@@ -63,7 +63,7 @@ fn write_summary(text: &mut String, answer: &Answer) -> std::fmt::Result {
         )?;
     }
     if let Some(experiment) = &answer.experiment {
-        writeln!(text, "Record next: {}", experiment.text)?;
+        writeln!(text, "Next: {}", experiment.text)?;
     }
     for warning in &answer.warnings {
         writeln!(text, "Warning: {warning}")?;

@@ -9,12 +9,13 @@ mod noise;
 mod orders;
 mod start_state;
 #[cfg(test)]
-mod testing;
+pub(crate) mod testing;
 mod window;
 
 pub use commands::recorded_commands;
 pub use map::{Bin, Channel, Map};
 pub use noise::sensor_noise;
 pub use orders::{Order, Orders};
+pub(crate) use start_state::curvature;
 pub(crate) use window::spans;
 pub use window::{Residual, Window, residual, residual_from};

@@ -126,7 +126,7 @@ pub(super) fn line(t_s: &[f64], values: &[f64]) -> (f64, f64) {
 }
 
 /// Second derivative of the least-squares parabola: the projection on the part of t^2/2 that a line cannot follow.
-pub(super) fn curvature(t_s: &[f64], values: &[f64]) -> f64 {
+pub(crate) fn curvature(t_s: &[f64], values: &[f64]) -> f64 {
     let half_squares: Vec<f64> = t_s.iter().map(|t| 0.5 * (t - t_s[0]) * (t - t_s[0])).collect();
     let (first, slope) = line(t_s, &half_squares);
     let (mut products, mut squares) = (0.0, 0.0);

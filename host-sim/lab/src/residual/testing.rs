@@ -6,7 +6,7 @@ use super::{Residual, Window};
 use crate::read::{AxisKind, Recording};
 
 /// A rotary recording without commands.
-pub(super) fn recording(t_s: Vec<f64>, position: Vec<f64>) -> Recording {
+pub(crate) fn recording(t_s: Vec<f64>, position: Vec<f64>) -> Recording {
     Recording {
         name: "hand.csv".to_owned(),
         axis: AxisKind::Rotary,

@@ -222,9 +222,8 @@ impl<'a> Search<'a> {
     fn choose<'t>(&self, trials: &'t [Trial]) -> Option<&'t Trial> {
         let best = trials.iter().find(|trial| trial.accepted())?;
         let cost = |trial: &Trial| (trial.fit.freedom(), trial.effect.id == "torque_gain");
-        let rivals = trials
-            .iter()
-            .filter(|trial| trial.accepted() && cost(trial) < cost(best) && !worse(&trial.fit, &best.fit));
+        let rivals =
+            trials.iter().filter(|trial| trial.accepted() && cost(trial) < cost(best) && !worse(&trial.fit, &best.fit));
         rivals.min_by_key(|trial| cost(trial)).or(Some(best))
     }
 

@@ -24,15 +24,17 @@ pub struct Noise {
 /// and the widths are weighed by how well they tell it. Medians, so that events and what is still missing hardly count.
 pub fn estimate(problem: &Problem, fit: &Fit, weights: &[f64], index: usize, resolution: f64) -> Noise {
     let motion = &problem.motions[index];
-    let inertia = problem.machine(&fit.active).inertia;
+    // Residuals are accelerations times the nominal inertia.
+    let nominal = problem.nominal.inertia;
+    let scale = problem.machine(&fit.active).inertia / nominal;
     let rounding = resolution / 12.0_f64.sqrt();
     let total = motion.noise.max(rounding);
     let widths: Vec<Changes> = (0..3)
         .filter_map(|width| changes(problem, fit, weights, (index, width)))
-        .map(|changes| changes.with_position_noise(inertia * total))
+        .map(|changes| changes.with_position_noise(nominal * total))
         .collect();
     Noise {
-        torque: combined(&widths).sqrt(),
+        torque: scale * combined(&widths).sqrt(),
         position: (total * total - rounding * rounding).max(0.0).sqrt(),
         resolution,
     }

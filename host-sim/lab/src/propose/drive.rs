@@ -1,0 +1,186 @@
+//! A model in closed loop along a reference: the commands and the states that every rival then starts its windows from.
+
+use er_servo::Config;
+use plant::{Command, Model, Plant, State};
+
+use super::menu::Item;
+use super::{Limits, Rival};
+use crate::Error;
+use crate::read::{AxisKind, Machine, Recording};
+use crate::refit::{HORIZON_S, model};
+use crate::residual::{recorded_commands, residual};
+use crate::simulate::{Reference, Setup, period_s, run};
+
+/// Commands along a motion, and the states at the first rows of its windows.
+#[derive(Debug, Clone)]
+pub(super) struct Motion {
+    pub t_s: Vec<f64>,
+    pub commands: Vec<Command>,
+    /// Held since ever when the first command came.
+    pub before: Command,
+    pub starts: Vec<Start>,
+    /// Rows of a window.
+    pub rows: usize,
+    /// What it asks of the machine.
+    pub asked: Limits,
+}
+
+/// Where a window starts.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Start {
+    pub row: usize,
+    pub state: State,
+    pub block: usize,
+}
+
+/// Length of the blocks that are compared, s.
+const BLOCK_S: f64 = 0.4;
+/// Every second window is enough to predict with.
+pub(super) const STRIDE: usize = 2;
+/// What was commanded before the first row of a recording acts this long, s.
+const SETTLE_S: f64 = 0.03;
+
+/// What closes the loop.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Loop {
+    /// The flashed law.
+    Law(Config),
+    /// A plain PD on the true state, without field: where the controller of a machine is not known.
+    Pd { stiffness: f64, damping: f64, torque_limit: f64, period_s: f64 },
+}
+
+impl Loop {
+    /// The law of the machine file. A rotary axis with a damper has the flashed law even where the file does not say, as
+    /// `simulate` does; any other machine without `[controller]` gets a PD of the paper's gains for its delay.
+    pub(super) fn of(machine: &Machine, limits: &Limits) -> Self {
+        if machine.axis.kind == AxisKind::Rotary && (machine.controller.is_some() || machine.plant.er.is_some()) {
+            return Self::Law(machine.controller.unwrap_or_default());
+        }
+        let plant = &machine.plant;
+        let period_s = machine.axis.sample_period_s;
+        // The gains of control.md section 4, for the delay with that of the samples.
+        let delay_s = (plant.torque_delay_s + period_s).max(4.0 * period_s);
+        Self::Pd {
+            stiffness: 0.08 * plant.inertia / (delay_s * delay_s),
+            damping: 0.464 * plant.inertia / delay_s,
+            torque_limit: limits.torque,
+            period_s,
+        }
+    }
+
+    /// Torque over error, N m/rad (N/m).
+    pub(super) fn stiffness(&self) -> f64 {
+        match self {
+            Self::Law(config) => f64::from(config.kp_nm_rad),
+            Self::Pd { stiffness, .. } => *stiffness,
+        }
+    }
+
+    /// Control period, s.
+    pub(super) fn period_s(&self) -> f64 {
+        match self {
+            Self::Law(config) => period_s(config),
+            Self::Pd { period_s, .. } => *period_s,
+        }
+    }
+
+    /// The motion of a rival along a reference; none where it cannot be run, or trips.
+    pub(super) fn motion(&self, rival: &Rival, item: &Item) -> Option<Motion> {
+        let model = model(&rival.in_a_new_recording(), 0);
+        let reference = Reference::Experiment(item.experiment);
+        let period_s = self.period_s();
+        let positions = reference.positions(period_s).ok()?;
+        let (commands, states) = match self {
+            Self::Law(config) => law(&model, config, positions.collect()).ok()??,
+            Self::Pd { stiffness, damping, torque_limit, .. } => {
+                let reference: Vec<f64> = positions.map(|counts| counts.to_rad() * item.unit).collect();
+                pd(&model, &reference, [*stiffness, *damping, *torque_limit], period_s).ok()?
+            }
+        };
+        let t_s: Vec<f64> = (0..commands.len()).map(|row| row as f64 * period_s).collect();
+        let rows = (HORIZON_S / period_s).round() as usize;
+        let windows = (rows..(commands.len() + 1).saturating_sub(rows)).step_by(rows * STRIDE);
+        let start = |row: usize| Start { row, state: states[row], block: (t_s[row] / BLOCK_S) as usize };
+        let starts = windows.map(start).collect();
+        let asked = asked(&commands, &states);
+        Some(Motion { starts, rows, asked, t_s, commands, before: Command::default() })
+    }
+}
+
+fn asked(commands: &[Command], states: &[State]) -> Limits {
+    let ends = states.iter().fold((f64::MAX, f64::MIN), |(low, high), s| (low.min(s.position), high.max(s.position)));
+    Limits {
+        speed: states.iter().fold(0.0, |peak, state| peak.max(state.velocity.abs())),
+        torque: commands.iter().fold(0.0, |peak, command| peak.max(command.torque.abs())),
+        travel: ends.1 - ends.0,
+    }
+}
+
+type Run = (Vec<Command>, Vec<State>);
+
+/// Under the flashed law; none where it trips.
+fn law(model: &Model, config: &Config, positions: Vec<er_servo::Counts>) -> Result<Option<Run>, Error> {
+    let setup = Setup {
+        model: model.clone(),
+        config: *config,
+        disturbances: Vec::new(),
+        sensor_noise_rad: 0.0,
+        torque_noise_nm: 0.0,
+        seed: 0,
+    };
+    let rows = run(&setup, positions)?;
+    if rows.last().is_none_or(|row| !row.outputs.supervisor.faults().is_empty()) {
+        return Ok(None);
+    }
+    let command = |row: &crate::simulate::Row| Command {
+        torque: f64::from(row.outputs.torque_nm),
+        field_kv_mm: f64::from(row.outputs.field_kv_mm),
+        braking: row.outputs.mode == er_servo::Mode::Brake,
+        speed_estimate: f64::from(row.outputs.speed_rad_s),
+        ..Command::default()
+    };
+    Ok(Some((rows.iter().map(command).collect(), rows.iter().map(|row| row.truth).collect())))
+}
+
+/// Under a PD of stiffness, damping and torque limit.
+fn pd(model: &Model, reference: &[f64], gains: [f64; 3], period_s: f64) -> Result<Run, plant::Error> {
+    let [stiffness, damping, torque_limit] = gains;
+    let mut plant = Plant::new(model, State::default(), 0.0)?;
+    let (mut commands, mut states) = (Vec::with_capacity(reference.len()), Vec::with_capacity(reference.len()));
+    for (tick, wanted) in reference.iter().enumerate() {
+        let state = *plant.state();
+        let torque = stiffness * (wanted - plant.position_at_sensor()) - damping * state.velocity;
+        let command =
+            Command { speed_estimate: state.velocity, ..Command::new(torque.clamp(-torque_limit, torque_limit), 0.0) };
+        states.push(state);
+        commands.push(command);
+        plant.advance(&command, (tick + 1) as f64 * period_s)?;
+    }
+    Ok((commands, states))
+}
+
+impl Motion {
+    /// The motion of a recording, its window starts estimated under a rival: what repeating it would tell.
+    ///
+    /// # Errors
+    /// A recording too short for one window, or a machine that cannot be simulated.
+    pub(super) fn recorded(recording: &Recording, rival: &Rival) -> Result<Self, Error> {
+        let left = residual(&model(&rival.in_a_new_recording(), 0), recording, HORIZON_S)?;
+        let commands = recorded_commands(recording);
+        let rows = left.windows.iter().map(|window| window.end - window.start).min().unwrap_or(0);
+        let first_s = recording.t_s[0];
+        let settled = left.windows.iter().filter(|window| recording.t_s[window.start] >= first_s + SETTLE_S);
+        let starts: Vec<Start> = settled
+            .step_by(STRIDE)
+            .map(|window| Start {
+                row: window.start,
+                state: window.state,
+                block: ((recording.t_s[window.start] - first_s) / BLOCK_S) as usize,
+            })
+            .collect();
+        let before = Command { speed_estimate: 0.0, ..commands.first().copied().unwrap_or_default() };
+        let states: Vec<State> = starts.iter().map(|start| start.state).collect();
+        let asked = asked(&commands, &states);
+        Ok(Self { t_s: recording.t_s.clone(), commands, before, starts, rows, asked })
+    }
+}
