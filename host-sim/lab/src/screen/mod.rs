@@ -5,10 +5,12 @@ mod balance;
 mod candidates;
 mod fit;
 mod internal;
+mod load;
 mod motion;
 mod noise;
 mod problem;
 mod search;
+mod simplex;
 mod smoother;
 mod weak;
 

@@ -21,6 +21,8 @@ const MAX_EFFECTS: usize = 4;
 const MAX_ENTRIES: usize = 7;
 /// Start values that are fitted to the end.
 const FINALISTS: usize = 2;
+/// Evaluations of a search without derivatives.
+const FEELS: usize = 120;
 /// Iterations of a fit.
 const ITERATIONS: usize = 12;
 
@@ -85,6 +87,11 @@ fn conflicts(a: &Effect, b: &Effect) -> bool {
         .iter()
         .enumerate()
         .any(|(group, ids)| ids.contains(&a.id) && ids.contains(&b.id) && (group != 1 || viscosity(a) || viscosity(b)))
+}
+
+/// Whether the residual has kinks in the values, so that a derivative at the start says little about the optimum.
+fn kinked(effect: &Effect) -> bool {
+    effect.id == "backlash"
 }
 
 fn duplicate(active: &[Active], entry: &Active) -> bool {
@@ -193,11 +200,25 @@ impl<'a> Search<'a> {
             let mut scored: Vec<(f64, Active)> = starts
                 .iter()
                 .filter_map(|entry| {
-                    let (sse, mut reached) = fitter.glimpse(&with(entry), &known);
+                    let (sse, mut reached) = if kinked(effect) {
+                        fitter.feel(&with(entry), &known, 1)
+                    } else {
+                        fitter.glimpse(&with(entry), &known)
+                    };
                     reached.pop().map(|entry| (sse, entry))
                 })
                 .collect();
             scored.sort_by(|a, b| a.0.total_cmp(&b.0));
+            if kinked(effect) {
+                // Where nothing on the grid is better than none of it, the rest is not worth the time.
+                scored.truncate(if scored.first().is_some_and(|best| best.0 < base.sse) { FINALISTS } else { 1 });
+                for (sse, entry) in scored.iter_mut().filter(|scored| scored.0 < base.sse) {
+                    let (low, mut reached) = fitter.feel(&with(entry), &known, FEELS);
+                    if let Some(found) = reached.pop().filter(|_| low < *sse) {
+                        (*sse, *entry) = (low, found);
+                    }
+                }
+            }
             starts = scored.into_iter().take(FINALISTS).map(|(_, entry)| entry).collect();
         }
         let fits = starts.iter().map(|entry| fitter.fit_on(&with(entry), ITERATIONS, &known));
