@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
-use super::candidates::{excitation, orders_left};
+use super::candidates::{excitation, orders_left, spans, stands_out};
 use super::fit::{Fit, Fitter};
 use super::noise::deviations;
 use super::problem::{Active, Problem};
@@ -25,6 +25,9 @@ const FINALISTS: usize = 2;
 const FEELS: usize = 120;
 /// Iterations of a fit.
 const ITERATIONS: usize = 12;
+
+/// The one effect that is an event.
+const PULSE: &str = "disturbance_pulse";
 
 /// An effect tried on top of others.
 #[derive(Debug, Clone)]
@@ -80,7 +83,7 @@ fn conflicts(a: &Effect, b: &Effect) -> bool {
         &["compliance", "backlash"],
     ];
     if a.id == b.id {
-        return !matches!(a.id, "cogging" | "disturbance_pulse");
+        return !matches!(a.id, "cogging" | PULSE);
     }
     let viscosity = |e: &Effect| e.id.starts_with("viscosity");
     GROUPS
@@ -281,19 +284,28 @@ impl<'a> Search<'a> {
     }
 
     fn judge(&self, base: &Fit, effect: &'static Effect, fit: Fit, variants: usize) -> Trial {
+        let pulse = effect.id == PULSE;
+        // Every start and duration was a trial.
+        let variants = if pulse { variants + spans(self.problem) } else { variants };
         let p_value = (p_value(self.problem, base, &fit) * variants as f64).min(1.0);
-        let (before, after, t) = if effect.id == "disturbance_pulse" {
+        let (before, after, t) = if pulse {
             // One event cannot be predicted from the other blocks; its own recording is its evidence.
-            (base.sse, fit.sse, f64::INFINITY)
+            let stands_out = stands_out(self.problem, base, &fit);
+            (base.sse, fit.sse, if stands_out { f64::INFINITY } else { 0.0 })
         } else {
             (base.heldout_sse(), fit.heldout_sse(), paired_t(base, &fit).max(relative_t(base, &fit)))
         };
         Trial { effect, fit, gain: 1.0 - (after / before.max(1e-300)).sqrt(), p_value, t }
     }
 
-    /// Among accepted trials, the simplest that predicts not significantly worse than the best.
+    /// Among accepted trials, the simplest that predicts not significantly worse than the best. An event explains one
+    /// place: it comes after everything that explains several.
     fn choose<'t>(&self, trials: &'t [Trial]) -> Option<&'t Trial> {
-        let best = trials.iter().find(|trial| trial.accepted())?;
+        let accepted = || trials.iter().filter(|trial| trial.accepted());
+        let best = accepted().find(|trial| trial.effect.id != PULSE).or_else(|| accepted().next())?;
+        if best.effect.id == PULSE {
+            return Some(best);
+        }
         let rivals = trials.iter().filter(|trial| {
             trial.accepted() && trial.fit.freedom() < best.fit.freedom() && !worse(&trial.fit, &best.fit)
         });
@@ -385,7 +397,7 @@ impl<'a> Search<'a> {
                 self.fitter().fit(&rest, ITERATIONS)
             };
             let removable = (0..fit.active.len())
-                .filter(|&index| fit.active[index].effect.id != "disturbance_pulse")
+                .filter(|&index| fit.active[index].effect.id != PULSE)
                 .map(without)
                 .map(|smaller| (1.0 - (fit.heldout_sse() / smaller.heldout_sse().max(1e-300)).sqrt(), smaller))
                 .filter(|(gain, _)| *gain < MIN_GAIN)
