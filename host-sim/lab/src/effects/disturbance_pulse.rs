@@ -6,7 +6,7 @@ use super::{Effect, Pulse, Size, always, fixed, free, sized};
 pub static EFFECT: Effect = Effect {
     id: "disturbance_pulse",
     sentence: "Something pushed the machine once: a hand, a collision, a snagging cable.",
-    parameters: &[fixed(), free(0.0, 1e6, 0.01), free(0.01, 1e3, 0.01), sized(Size::Torque, -1e2, 1e2, 0.05)],
+    parameters: &[fixed(), free(0.0, 1e6, 0.01), free(2e-3, 1e3, 0.01), sized(Size::Torque, -1e2, 1e2, 0.05)],
     applies: always,
     starts: |_, e| {
         e.pulses

@@ -1,5 +1,6 @@
 //! What stands out of the residual: orders over position, frequencies over time, pushes. Start values for the fit.
 
+use super::fit::Fit;
 use super::problem::Problem;
 use crate::effects::{Excitation, Physics, Pulse};
 
@@ -148,35 +149,47 @@ fn tone(points: &[&Point], omega: f64) -> f64 {
     2.0 * (sine_sum * sine_sum + cosine_sum * cosine_sum) / points.len().max(1) as f64
 }
 
-/// How much more than any other span of its recording a push must stand out.
+/// How much more than any other span of its recording a push must explain, in what is left once it is known.
 const STANDS_OUT: f64 = 3.0;
 /// Longest push, in points of half the bump's width.
 const LONGEST: usize = 120;
+/// Bumps whose residuals show pushes.
+const PULSE_WIDTH: usize = 0;
 
-/// In each recording the span whose mean stands out most, where it does so far beyond any other.
+/// Residual over time of one recording, narrow bumps.
+fn over_time(problem: &Problem, residual: impl Fn(usize) -> f64, recording: usize) -> Vec<(f64, f64)> {
+    let rows = problem.equations.iter().enumerate();
+    rows.filter(|(_, equation)| equation.recording == recording && equation.width == PULSE_WIDTH)
+        .map(|(index, equation)| (equation.row.centre_s, residual(index)))
+        .collect()
+}
+
+/// In each recording the span whose mean stands out most.
 fn pulses(problem: &Problem, residual: &[f64]) -> Vec<Pulse> {
     let mut all = Vec::new();
     for recording in 0..problem.fitted {
-        let points: Vec<(f64, f64)> = problem
-            .equations
-            .iter()
-            .zip(residual)
-            .filter(|(equation, _)| equation.recording == recording && equation.width == 1)
-            .map(|(equation, &value)| (equation.row.centre_s, value))
-            .collect();
-        let Some((score, from, to)) = best_span(&points) else { continue };
-        // Bumps around the edges see part of the push.
-        let (before, after) = (from.saturating_sub(4), (to + 5).min(points.len()));
-        let beside = [&points[..before], &points[after..]];
-        let next = beside.iter().filter_map(|part| best_span(part)).map(|span| span.0).fold(0.0, f64::max);
-        if score > STANDS_OUT * next {
-            let mean = points[from..=to].iter().map(|point| point.1).sum::<f64>() / (to - from + 1) as f64;
-            let (start_s, end_s) = (points[from].0 - 0.005, points[to].0 + 0.005);
-            // The residual is inertia times acceleration minus what is known: a push is its sum.
-            all.push(Pulse { recording, start_s, duration_s: end_s - start_s, amplitude: mean });
-        }
+        let points = over_time(problem, |index| residual[index], recording);
+        let Some((_, from, to)) = best_span(&points) else { continue };
+        let mean = points[from..=to].iter().map(|point| point.1).sum::<f64>() / (to - from + 1) as f64;
+        let (start_s, end_s) = (points[from].0 - 0.002, points[to].0 + 0.002);
+        // The residual is inertia times acceleration minus what is known: a push is its sum.
+        all.push(Pulse { recording, start_s, duration_s: end_s - start_s, amplitude: mean });
     }
     all
+}
+
+/// How many spans of all recordings are compared.
+pub(crate) fn spans(problem: &Problem) -> usize {
+    LONGEST * problem.equations.iter().filter(|equation| equation.width == PULSE_WIDTH).count()
+}
+
+/// Whether the last effect of `fit`, a push, is an event: in its recording nothing left over comes near to it.
+pub(crate) fn stands_out(problem: &Problem, base: &Fit, fit: &Fit) -> bool {
+    let Some(&recording) = fit.active.last().and_then(|entry| entry.values.first()) else { return false };
+    let score = |residual: &nalgebra::DVector<f64>| {
+        best_span(&over_time(problem, |index| residual[index], recording as usize)).map_or(0.0, |best| best.0)
+    };
+    score(&base.residual) > STANDS_OUT * score(&fit.residual)
 }
 
 /// The span with the largest square of its sum over its length: score, first and last point.

@@ -3,6 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::problem::{Active, Parts, Problem};
+use super::simplex::minimise;
 use crate::effects::Range;
 
 /// A hypothesis at its optimum.
@@ -144,6 +145,24 @@ impl Fitter<'_> {
         let (after, _) = self.residual(&reached, Some(&parts));
         let (before, after) = (self.squares(&residual), self.squares(&after));
         if after < before { (after, reached) } else { (before, active.to_vec()) }
+    }
+
+    /// The values of the last effect at a low sum of squares, found without derivatives; sizes move by their logarithms.
+    pub(crate) fn feel(&self, active: &[Active], base: &Base, evaluations: usize) -> (f64, Vec<Active>) {
+        let Some(last) = active.last() else { return (f64::INFINITY, Vec::new()) };
+        let at = |logs: &DVector<f64>| {
+            let mut moved = active.to_vec();
+            if let Some(entry) = moved.last_mut() {
+                for ((value, range), log) in entry.values.iter_mut().zip(&entry.ranges).zip(logs.iter()) {
+                    *value = log.exp().clamp(range.low, range.high);
+                }
+            }
+            moved
+        };
+        let start = DVector::from_iterator(last.values.len(), last.values.iter().map(|value| value.max(1e-12).ln()));
+        let cost = |logs: &DVector<f64>| self.residual(&at(logs), Some(&base.parts)).0.norm_squared();
+        let (sse, logs) = minimise(&start, evaluations, cost);
+        (sse, at(&logs))
     }
 
     /// What a hypothesis shares with those that add to it.

@@ -7,11 +7,13 @@ mod fit;
 mod instrument;
 mod internal;
 mod judge;
+mod load;
 mod motion;
 mod noise;
 mod problem;
 mod refitter;
 mod search;
+mod simplex;
 mod smoother;
 mod weak;
 

@@ -1,8 +1,9 @@
 //! The recordings as one least-squares problem: residuals of the torque balance, in units of their own noise.
 
+use super::load::{Pull, pull};
 use super::motion::Motion;
-use super::{balance, internal, weak};
-use crate::effects::{Effect, Physics, Range};
+use super::{balance, weak};
+use crate::effects::{Effect, Load, Physics, Range};
 
 /// Half-widths of the bumps, s: fine enough to tell a lag from a dead time, wide enough for a coarse position.
 const HALF_WIDTHS_S: [f64; 3] = [0.008, 0.020, 0.050];
@@ -59,7 +60,15 @@ pub(crate) struct Parts {
     friction: Vec<Vec<f64>>,
     external: Vec<Vec<f64>>,
     /// What a flexible load takes, and the inertia that stays with the rotor.
-    load: Option<(Vec<Vec<f64>>, f64)>,
+    load: Option<(Vec<Pull>, f64)>,
+}
+
+impl Parts {
+    /// Torque on the rotor in one cell of one recording, without that of a load.
+    fn torque(&self, recording: usize, cell: usize) -> f64 {
+        self.drive[recording][cell] - self.damper[recording][cell] - self.friction[recording][cell]
+            + self.external[recording][cell]
+    }
 }
 
 impl Problem {
@@ -116,26 +125,38 @@ impl Problem {
             self.motions.iter().enumerate().map(|(index, motion)| part(index, motion)).collect()
         };
         let same = |key: fn(&Physics, &Physics) -> bool| known.filter(|known| key(&known.physics, physics));
-        Parts {
+        let mut parts = Parts {
             drive: same(same_drive).map_or_else(|| each(&|_, m| balance::drive(physics, m)), |k| k.drive.clone()),
             damper: same(same_damper).map_or_else(|| each(&|_, m| balance::damper(physics, m)), |k| k.damper.clone()),
             friction: same(same_friction)
                 .map_or_else(|| each(&|_, m| balance::friction(physics, m)), |k| k.friction.clone()),
             external: same(same_external)
                 .map_or_else(|| each(&|i, m| balance::external(physics, m, i)), |k| k.external.clone()),
-            load: self.load(physics, same(same_load)),
+            load: None,
             physics: physics.clone(),
+        };
+        if let Some(load) = &physics.load {
+            // Behind a gap the load is kept on track by the whole balance.
+            let alone = load.gap == 0.0;
+            let kept = same(same_load).filter(|known| alone || known.physics == *physics);
+            parts.load = kept.map_or_else(|| self.load(&parts, load), |known| known.load.clone());
         }
+        parts
     }
 
-    fn load(&self, physics: &Physics, known: Option<&Parts>) -> Option<(Vec<Vec<f64>>, f64)> {
-        let load = physics.load.as_ref()?;
-        if let Some(known) = known {
-            return known.load.clone();
-        }
-        let each = self.motions.iter().map(|motion| internal::load(motion, load, physics.inertia));
-        let (pulls, motors): (Vec<Vec<f64>>, Vec<f64>) = each.unzip();
-        motors.first().map(|&motor| (pulls, motor))
+    fn load(&self, parts: &Parts, load: &Load) -> Option<(Vec<Pull>, f64)> {
+        let inertia = parts.physics.inertia;
+        let motor = inertia / (1.0 + load.inertia_ratio);
+        let pulls = self.motions.iter().enumerate().map(|(index, motion)| {
+            let shown: Vec<f64> = (0..motion.cells())
+                .map(|cell| {
+                    let span = motion.t_s[cell + 1] - motion.t_s[cell];
+                    parts.torque(index, cell) - motor * (motion.speed[cell + 1] - motion.speed[cell]) / span
+                })
+                .collect();
+            pull(motion, load, inertia, &shown)
+        });
+        Some((pulls.collect(), motor))
     }
 
     /// Residual of each equation, N m (N), unweighted: the acceleration that the model does not predict, times the nominal
@@ -144,19 +165,16 @@ impl Problem {
         let physics = &parts.physics;
         let inertia = parts.load.as_ref().map_or(physics.inertia, |(_, motor)| *motor);
         let nominal = self.nominal.inertia;
-        let mut cells: Vec<Vec<f64>> = Vec::with_capacity(self.motions.len());
-        for (index, motion) in self.motions.iter().enumerate() {
-            let mut torque: Vec<f64> = (0..motion.cells())
-                .map(|cell| {
-                    parts.drive[index][cell] - parts.damper[index][cell] - parts.friction[index][cell]
-                        + parts.external[index][cell]
-                })
-                .collect();
-            if let Some((pulls, _)) = &parts.load {
-                torque.iter_mut().zip(&pulls[index]).for_each(|(torque, pull)| *torque -= pull);
-            }
-            cells.push(torque);
-        }
+        let cells: Vec<Vec<f64>> = self
+            .motions
+            .iter()
+            .enumerate()
+            .map(|(index, motion)| {
+                let pull = parts.load.as_ref().map(|(pulls, _)| &pulls[index].torque);
+                let pull = |cell: usize| pull.map_or(0.0, |pull| pull[cell]);
+                (0..motion.cells()).map(|cell| parts.torque(index, cell) - pull(cell)).collect()
+            })
+            .collect();
         let true_position: Option<Vec<Vec<f64>>> = physics.eccentricity.map(|error| {
             let correct = |m: &Motion| m.position.iter().map(|&q| q - error.at(q)).collect();
             self.motions.iter().map(correct).collect()
@@ -167,7 +185,15 @@ impl Problem {
                 let acceleration = true_position
                     .as_ref()
                     .map_or(equation.acceleration, |q| equation.row.acceleration(&q[equation.recording]));
-                nominal * (acceleration - equation.row.mean(&cells[equation.recording]) / inertia)
+                let residual = nominal * (acceleration - equation.row.mean(&cells[equation.recording]) / inertia);
+                let corrected = parts.load.as_ref().map(|(pulls, _)| &pulls[equation.recording].corrected);
+                match corrected.filter(|corrected| !corrected.is_empty()) {
+                    Some(corrected) => {
+                        let charged = nominal / inertia * equation.row.mean(corrected);
+                        residual.hypot(charged).copysign(residual)
+                    }
+                    None => residual,
+                }
             })
             .collect()
     }

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::candidates::{excitation, orders_left};
+use super::candidates::{excitation, orders_left, spans, stands_out};
 use super::fit::{Base, Fit, Fitter};
 use super::judge::{MIN_GAIN, Trial, p_value, paired_t, relative_t, worse};
 use super::noise::weights;
@@ -18,8 +18,13 @@ const MAX_ENTRIES: usize = 7;
 const FINALISTS: usize = 2;
 /// A start whose first step leaves more than this share of the squares is not worth a fit to the end.
 const HOPELESS: f64 = 0.985;
+/// Evaluations of a search without derivatives.
+const FEELS: usize = 120;
 /// Iterations of a fit.
 pub(super) const ITERATIONS: usize = 12;
+
+/// The one effect that is an event.
+const PULSE: &str = "disturbance_pulse";
 
 /// Where the search ended.
 #[derive(Debug, Clone)]
@@ -53,13 +58,18 @@ pub(super) fn conflicts(a: &Effect, b: &Effect) -> bool {
         &["compliance", "backlash"],
     ];
     if a.id == b.id {
-        return !matches!(a.id, "cogging" | "disturbance_pulse");
+        return !matches!(a.id, "cogging" | PULSE);
     }
     let viscosity = |e: &Effect| e.id.starts_with("viscosity");
     GROUPS
         .iter()
         .enumerate()
         .any(|(group, ids)| ids.contains(&a.id) && ids.contains(&b.id) && (group != 1 || viscosity(a) || viscosity(b)))
+}
+
+/// Whether the residual has kinks in the values, so that a derivative at the start says little about the optimum.
+fn kinked(effect: &Effect) -> bool {
+    effect.id == "backlash"
 }
 
 fn duplicate(active: &[Active], entry: &Active) -> bool {
@@ -133,12 +143,26 @@ impl<'a> Search<'a> {
             })
             .filter(|entry| !duplicate(&base.active, entry))
             .filter_map(|entry| {
-                let (sse, mut reached) = fitter.glimpse(&with(&entry), known);
+                let (sse, mut reached) = if kinked(effect) {
+                    fitter.feel(&with(&entry), known, 1)
+                } else {
+                    fitter.glimpse(&with(&entry), known)
+                };
                 reached.pop().map(|entry| (sse, entry))
             })
             .collect();
         let variants = glimpsed.len();
         glimpsed.sort_by(|a, b| a.0.total_cmp(&b.0));
+        if kinked(effect) {
+            // Where nothing on the grid is better than none of it, the rest is not worth the time.
+            glimpsed.truncate(if glimpsed.first().is_some_and(|best| best.0 < base.sse) { FINALISTS } else { 1 });
+            for (sse, entry) in glimpsed.iter_mut().filter(|glimpsed| glimpsed.0 < base.sse) {
+                let (low, mut reached) = fitter.feel(&with(entry), known, FEELS);
+                if let Some(found) = reached.pop().filter(|_| low < *sse) {
+                    (*sse, *entry) = (low, found);
+                }
+            }
+        }
         let (finalists, iterations) = match glimpsed.first() {
             Some((sse, _)) if *sse > HOPELESS * base.sse => (1, 2),
             _ => (FINALISTS, ITERATIONS),
@@ -207,10 +231,14 @@ impl<'a> Search<'a> {
     }
 
     fn judge(&self, base: &Fit, effect: &'static Effect, fit: Fit, variants: usize) -> Trial {
+        let pulse = effect.id == PULSE;
+        // Every start and duration was a trial.
+        let variants = if pulse { variants + spans(self.problem) } else { variants };
         let p_value = (p_value(self.problem, base, &fit) * variants as f64).min(1.0);
-        let (before, after, t) = if effect.id == "disturbance_pulse" {
+        let (before, after, t) = if pulse {
             // One event cannot be predicted from the other blocks; its own recording is its evidence.
-            (base.sse, fit.sse, f64::INFINITY)
+            let stands_out = stands_out(self.problem, base, &fit);
+            (base.sse, fit.sse, if stands_out { f64::INFINITY } else { 0.0 })
         } else {
             (base.heldout_sse(), fit.heldout_sse(), paired_t(base, &fit).max(relative_t(base, &fit)))
         };
@@ -218,12 +246,16 @@ impl<'a> Search<'a> {
     }
 
     /// Among accepted trials, the simplest that predicts not significantly worse than the best; the scale of the drive last
-    /// among equals, because it stands for every other torque together.
+    /// among equals, because it stands for every other torque together. An event explains one place: it comes after
+    /// everything that explains several.
     fn choose<'t>(&self, trials: &'t [Trial]) -> Option<&'t Trial> {
-        let best = trials.iter().find(|trial| trial.accepted())?;
+        let accepted = || trials.iter().filter(|trial| trial.accepted());
+        let best = accepted().find(|trial| trial.effect.id != PULSE).or_else(|| accepted().next())?;
+        if best.effect.id == PULSE {
+            return Some(best);
+        }
         let cost = |trial: &Trial| (trial.fit.freedom(), trial.effect.id == "torque_gain");
-        let rivals =
-            trials.iter().filter(|trial| trial.accepted() && cost(trial) < cost(best) && !worse(&trial.fit, &best.fit));
+        let rivals = accepted().filter(|trial| cost(trial) < cost(best) && !worse(&trial.fit, &best.fit));
         rivals.min_by_key(|trial| cost(trial)).or(Some(best))
     }
 
@@ -316,7 +348,7 @@ impl<'a> Search<'a> {
                 self.fitter().fit(&rest, ITERATIONS)
             };
             let removable = (0..fit.active.len())
-                .filter(|&index| fit.active[index].effect.id != "disturbance_pulse")
+                .filter(|&index| fit.active[index].effect.id != PULSE)
                 .map(without)
                 .map(|smaller| (1.0 - (fit.heldout_sse() / smaller.heldout_sse().max(1e-300)).sqrt(), smaller))
                 .filter(|(gain, _)| *gain < MIN_GAIN)

@@ -5,7 +5,7 @@ use er_servo::{
     State, step,
 };
 use plant::effects::Pulse;
-use plant::sensor::{Sampler, SamplerConfig, TorqueNoise};
+use plant::sensor::{LatencyLine, Sampler, SamplerConfig, SensorModel, TorqueNoise};
 use plant::{Command, FluidResponse, Model, Plant};
 
 use crate::Error;
@@ -58,6 +58,9 @@ pub struct ClosedLoop {
     params: Params,
     state: State,
     ticks_per_s: f64,
+    sensor: SensorModel,
+    /// None is a sensor that reports at once.
+    latency: Option<LatencyLine>,
     sampler: Sampler,
     /// Whether the fluid's delay is one of the viscosity; the others do not look at it, and it takes an exponential.
     viscosity_acts: bool,
@@ -103,6 +106,11 @@ impl ClosedLoop {
             state: State::running_at(Counts(0)),
             ticks_per_s: period_s(&setup.config).recip(),
             viscosity_acts: model.er.as_ref().is_some_and(|er| !matches!(er.response, FluidResponse::Field(_))),
+            latency: match model.sensor.latency_s {
+                0.0 => None,
+                latency_s => Some(LatencyLine::new(latency_s).map_err(unusable)?),
+            },
+            sensor: model.sensor,
             // The counts are the resolution.
             sampler: Sampler::new(
                 SamplerConfig { noise_sd: setup.sensor_noise_rad, ..SamplerConfig::default() },
@@ -126,7 +134,9 @@ impl ClosedLoop {
     pub fn tick(&mut self, reference: Counts) -> Result<Row, Error> {
         let t_s = f64::from(self.tick) / self.ticks_per_s;
         let truth = *self.plant.state();
-        let measured = Counts::from_rad(self.sampler.measure(self.plant.position_at_sensor()));
+        // What the law sees is what is recorded: late where the sensor is.
+        let reported = self.latency.as_mut().map_or(truth.position, |line| line.report(t_s, &truth));
+        let measured = Counts::from_rad(self.sampler.measure(self.sensor.distorted(reported)));
         let inputs = Inputs {
             resolver: ResolverSample {
                 code: ResolverCode((measured.0 & 0x0fff) as u16),

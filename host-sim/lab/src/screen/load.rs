@@ -1,0 +1,206 @@
+//! A load behind a shaft or a gap, run along the recorded motion of the rotor.
+//!
+//! Motor inertia J/(1+r) and load J r/(1+r) on a spring k = w^2 m and damper 2 z w m, with m their reduced mass and w the
+//! resonance; the spring has a dead zone of the gap, and contact is the plant's law.
+//!
+//! A load that bounces in its gap forgets where it started, and errors grow from impact to impact: no simulation follows it
+//! for long. So an extended Kalman filter keeps it on track by the force that the rotor's own balance shows. What the
+//! filter moves the load by has no physical cause; it is given as a torque, and charged like any other error.
+
+use super::motion::Motion;
+use crate::effects::Load;
+
+/// What a load does, as means over the cells, N m (N).
+#[derive(Debug, Clone)]
+pub(crate) struct Pull {
+    /// Torque that the load takes from the rotor.
+    pub torque: Vec<f64>,
+    /// Torque that would be needed on the load for what the filter corrected; empty without a gap.
+    pub corrected: Vec<f64>,
+}
+
+/// The shaft in numbers, SI.
+#[derive(Debug, Clone, Copy)]
+struct Shaft {
+    moved: f64,
+    stiffness: f64,
+    damping: f64,
+    half_gap: f64,
+}
+
+/// Position and speed of the load.
+#[derive(Debug, Clone, Copy)]
+struct State {
+    x: f64,
+    v: f64,
+}
+
+/// Rotor over one cell: position and speed at its start, acceleration.
+#[derive(Debug, Clone, Copy)]
+struct Rotor {
+    q: f64,
+    w: f64,
+    rate: f64,
+}
+
+impl Rotor {
+    fn at(&self, s: f64) -> (f64, f64) {
+        (self.q + self.w * s + 0.5 * self.rate * s * s, self.w + self.rate * s)
+    }
+}
+
+impl Shaft {
+    fn new(load: &Load, inertia: f64) -> Self {
+        let ratio = load.inertia_ratio;
+        let moved = inertia * ratio / (1.0 + ratio);
+        let reduced = moved / (1.0 + ratio);
+        let omega = std::f64::consts::TAU * load.resonance_hz;
+        Self {
+            moved,
+            stiffness: omega * omega * reduced,
+            damping: 2.0 * load.damping_ratio * omega * reduced,
+            half_gap: 0.5 * load.gap,
+        }
+    }
+
+    /// Force on the load in contact on the side of `towards`, N m; negative of its sign where the shaft holds back.
+    fn contact(&self, stretch: f64, rate: f64, towards: f64) -> f64 {
+        self.stiffness * (stretch - self.half_gap.copysign(towards)) + self.damping * rate
+    }
+
+    /// Force on the load: spring and damper in contact, which may hold back as the shaft parts; across the gap nothing.
+    fn force(&self, stretch: f64, rate: f64) -> f64 {
+        if self.half_gap > 0.0 && stretch.abs() <= self.half_gap { 0.0 } else { self.contact(stretch, rate, stretch) }
+    }
+
+    /// Moves the load over a cell by Runge-Kutta steps; gives its change of speed.
+    fn advance(&self, rotor: &Rotor, span: f64, state: &mut State) -> f64 {
+        let fastest = (self.stiffness / self.moved).sqrt();
+        let steps = (span * fastest / 0.3).ceil().clamp(1.0, 64.0);
+        let h = span / steps;
+        let before = state.v;
+        for step in 0..steps as usize {
+            let pull = |offset: f64, x: f64, v: f64| {
+                let (q, w) = rotor.at((step as f64 + offset) * h);
+                self.force(q - x, w - v) / self.moved
+            };
+            let State { x, v } = *state;
+            let a1 = pull(0.0, x, v);
+            let a2 = pull(0.5, x + 0.5 * h * v, v + 0.5 * h * a1);
+            let a3 = pull(0.5, x + 0.5 * h * v + 0.25 * h * h * a1, v + 0.5 * h * a2);
+            let a4 = pull(1.0, x + h * v + 0.5 * h * h * a2, v + h * a3);
+            state.x += h * v + h * h / 6.0 * (a1 + a2 + a3);
+            state.v += h / 6.0 * (a1 + 2.0 * a2 + 2.0 * a3 + a4);
+        }
+        state.v - before
+    }
+}
+
+/// Errors of the force shown over what neighbouring cells do not share: the smoother's are slow, and impacts are smeared.
+const SLOW_ERRORS: f64 = 10.0;
+/// A force shown that is this much larger than what neighbouring cells do not share is a contact.
+const TOUCHES: f64 = 20.0;
+
+/// Extended Kalman filter of a load in its gap.
+struct Filter {
+    /// Covariance of x and v.
+    xx: f64,
+    xv: f64,
+    vv: f64,
+    /// Standard deviation of the force that the rotor shows, N m.
+    seen: f64,
+    /// Standard deviation of a torque on the load over one cell, N m.
+    unrest: f64,
+}
+
+impl Filter {
+    /// Anywhere in the gap; an unseen torque on the load is as large as the errors of the force.
+    fn new(shaft: &Shaft, spread: f64) -> Self {
+        let seen = SLOW_ERRORS * spread.max(1e-12);
+        Self { xx: 0.25 * shaft.half_gap * shaft.half_gap, xv: 0.0, vv: 1e-6, seen, unrest: seen }
+    }
+
+    /// Spread of the state over a cell.
+    fn predict(&mut self, shaft: &Shaft, touching: bool, span: f64) {
+        let (k, d) = if touching { (shaft.stiffness / shaft.moved, shaft.damping / shaft.moved) } else { (0.0, 0.0) };
+        // Spring before position: without damping its map keeps areas, so a stiff contact does not blow the spread up.
+        let (a, b, c) = (1.0 - k * span * span, span * (1.0 - d * span).max(0.0), -k * span);
+        let e = (1.0 - d * span).max(0.0);
+        let (xx, xv, vv) = (self.xx, self.xv, self.vv);
+        self.xx = a * a * xx + 2.0 * a * b * xv + b * b * vv;
+        self.xv = a * c * xx + (a * e + b * c) * xv + b * e * vv;
+        let impulse = self.unrest * span / shaft.moved;
+        self.vv = c * c * xx + 2.0 * c * e * xv + e * e * vv + impulse * impulse;
+        let most = 0.25 * shaft.half_gap * shaft.half_gap;
+        if self.xx > most {
+            // The gap bounds what may be unknown.
+            let shrink = most / self.xx;
+            self.xx = most;
+            self.xv *= shrink.sqrt();
+        }
+    }
+
+    /// Corrects the state by the force seen at the end of a cell; gives the changes of position and speed.
+    fn correct(&mut self, shaft: &Shaft, expected: f64, seen: f64) -> (f64, f64) {
+        let (hx, hv) = (-shaft.stiffness, -shaft.damping);
+        let (px, pv) = (self.xx * hx + self.xv * hv, self.xv * hx + self.vv * hv);
+        let variance = px * hx + pv * hv + self.seen * self.seen;
+        let (gx, gv) = (px / variance, pv / variance);
+        self.xx -= gx * px;
+        self.xv -= gx * pv;
+        self.vv -= gv * pv;
+        let surprise = seen - expected;
+        (gx * surprise, gv * surprise)
+    }
+}
+
+/// Standard deviation of what neighbouring cells do not share, by a median.
+fn spread(shown: &[f64]) -> f64 {
+    let mut changes: Vec<f64> = shown.windows(3).map(|y| (y[1] - 0.5 * (y[0] + y[2])).abs()).collect();
+    changes.sort_by(f64::total_cmp);
+    changes.get(changes.len() / 2).map_or(0.0, |median| 1.4826 * median / 1.5f64.sqrt())
+}
+
+/// What a load takes from the rotor; `shown` is the force on the load as the rotor's own balance shows it in each cell.
+pub(crate) fn pull(motion: &Motion, load: &Load, inertia: f64, shown: &[f64]) -> Pull {
+    let shaft = Shaft::new(load, inertia);
+    let cells = motion.cells();
+    let mut state = State { x: motion.smooth[0], v: motion.speed[0] };
+    let mut torque = Vec::with_capacity(cells);
+    let with_gap = shaft.half_gap > 0.0;
+    let mut corrected = if with_gap { vec![0.0; cells + 1] } else { Vec::new() };
+    let spread = spread(shown);
+    let mut filter = Filter::new(&shaft, spread);
+    for cell in 0..cells {
+        let span = motion.t_s[cell + 1] - motion.t_s[cell];
+        let (q, w) = (motion.smooth[cell], motion.speed[cell]);
+        let rotor = Rotor { q, w, rate: (motion.speed[cell + 1] - w) / span };
+        let change = shaft.advance(&rotor, span, &mut state);
+        torque.push(shaft.moved * change / span);
+        if motion.broken[cell] {
+            state = State { x: motion.smooth[cell + 1], v: motion.speed[cell + 1] };
+            continue;
+        }
+        if !with_gap || motion.at_rest[cell] {
+            continue;
+        }
+        let stretch = rotor.at(span).0 - state.x;
+        let touching = stretch.abs() > shaft.half_gap;
+        filter.predict(&shaft, touching, span);
+        let seen = shown[cell];
+        if touching || seen.abs() > TOUCHES * spread {
+            let side = if touching { stretch } else { seen };
+            // The force shown is the mean over the cell.
+            let (middle, speed) = rotor.at(0.5 * span);
+            let expected = shaft.contact(middle - (state.x - 0.5 * span * state.v), speed - state.v, side);
+            let (moved, faster) = filter.correct(&shaft, expected, seen);
+            state.x += moved;
+            state.v += faster;
+            let (jump, kick) = (shaft.moved * moved / (span * span), shaft.moved * faster / span);
+            corrected[cell] += jump + kick;
+            corrected[cell + 1] -= jump;
+        }
+    }
+    corrected.truncate(cells);
+    Pull { torque, corrected }
+}
