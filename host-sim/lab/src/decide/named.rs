@@ -5,7 +5,7 @@ use super::prepare::Searched;
 use super::{Refined, Request, equivalents, intervals};
 use crate::read::{AxisKind, vocabulary};
 use crate::report::{EffectAnswer, Evidence, Interval, Rejected};
-use crate::screen::{Fit, MAX_P, MIN_GAIN, Outcome, Problem, Refitter, Trial};
+use crate::screen::{Active, Fit, MAX_P, MIN_GAIN, Outcome, Problem, Refitter, Trial};
 
 /// Every effect of the best model with its evidence, strongest first.
 pub(super) fn effects(request: &Request<'_>, searched: &Searched, refined: &Refined) -> Vec<EffectAnswer> {
@@ -41,7 +41,8 @@ fn effect_answer(
     let axis = request.machine.axis.kind;
     let names = vocabulary::effect(entry.effect.id).map_or(&[] as &[vocabulary::Parameter], |kind| kind.parameters);
     let values = intervals(&refined.active, &refined.covariance, index);
-    let parameters = parameters(names, &values, axis);
+    let mut parameters = parameters(names, &values, axis);
+    within_bounds(&refined.active[index], &mut parameters);
     let recording = (entry.effect.id == "disturbance_pulse")
         .then(|| problem.motions.get(entry.values[0] as usize).map(|motion| motion.name.clone()))
         .flatten();
@@ -53,6 +54,16 @@ fn effect_answer(
         parameters,
         evidence,
         recording,
+    }
+}
+
+/// No interval leaves what physics allows; only for values that are reported as they are fitted.
+fn within_bounds(entry: &Active, parameters: &mut [Interval]) {
+    let fitted = entry.values.iter().zip(&entry.ranges).skip(entry.values.len().saturating_sub(parameters.len()));
+    for (parameter, (value, range)) in parameters.iter_mut().zip(fitted) {
+        if parameter.value == *value {
+            (parameter.low, parameter.high) = (parameter.low.max(range.low), parameter.high.min(range.high));
+        }
     }
 }
 

@@ -36,9 +36,10 @@ impl Refined {
             return weak();
         }
         match TimeFit::new(problem, recordings, &fit.active, resolution) {
-            Ok(time) if time.far <= FAR && time.sse <= time.start_sse => {
+            Ok(time) if time.far <= FAR && time.sse <= time.start_sse && informed(&time, fit, problem) => {
                 Self { active: time.active.clone(), covariance: covariance(&time), time: Some(time) }
             }
+            Ok(time) if time.far <= FAR => weak(),
             Ok(time) => {
                 warnings.push(format!(
                     "values and intervals are those of the weak form: simulated, {:.0} % of the windows are far from the \
@@ -53,6 +54,19 @@ impl Refined {
             }
         }
     }
+}
+
+/// Whether the simulated windows tell every value: a friction that would drive is clipped by the plant, and its slope is
+/// then told by nothing.
+fn informed(time: &TimeFit, fit: &Fit, problem: &Problem) -> bool {
+    let mut column = 0;
+    fit.active.iter().all(|entry| {
+        (0..entry.values.len()).filter(|&value| entry.effect.parameter(value).free).all(|value| {
+            let known = time.normals.iter().any(|normal| normal[(column, column)] > 0.0);
+            column += 1;
+            known || entry.effect.recording_of(value).is_some_and(|recording| recording >= problem.fitted)
+        })
+    })
 }
 
 /// Of a fit in the time domain, whose white residuals share no noise.
