@@ -11,14 +11,15 @@ use crate::read::Recording;
 use crate::refit::{HORIZON_S, Windows};
 use crate::screen::Motion;
 
-/// Twins of each recording.
+/// Twins of each recording at least.
 const TWINS: usize = 4;
 /// Seed of the first twin; each further one takes the next.
 const SEED: u64 = 1;
-/// Of a longer recording only this much is twinned, in pieces that are spread over it, s.
-const LONGEST_S: f64 = 40.0;
-/// Pieces of a longer recording.
-const PIECES: usize = 4;
+/// Each twin is of another piece of this length at most, spread over the recording, s: a machine without a closed form
+/// takes long in its windows, and as many of them as eight seconds hold tell the floor to some percent.
+const PIECE_S: f64 = 2.0;
+/// and of this length at least.
+const SHORTEST_S: f64 = 0.5;
 
 /// The noise floor.
 #[derive(Debug, Clone, PartialEq)]
@@ -41,9 +42,10 @@ pub fn noise_floor(
 ) -> Result<Floor, Error> {
     let mut work = Vec::new();
     for (index, recording) in recordings.iter().enumerate() {
-        for (from, to) in pieces(recording) {
-            work.extend((0..TWINS).map(|k| (index, from, to, SEED + (index * TWINS + k) as u64)));
-        }
+        let pieces = pieces(recording);
+        // Where a recording is too short for enough pieces, each is twinned more often.
+        let each = pieces.iter().cycle().take(pieces.len().max(TWINS)).enumerate();
+        work.extend(each.map(|(k, &(from, to))| (index, from, to, SEED + (index * TWINS + k) as u64)));
     }
     let progress = Progress::new("noise floor, twins", work.len() as u64);
     let each = work.into_par_iter().map(|(index, from, to, seed)| {
@@ -73,19 +75,23 @@ fn disagreement(recording: &Recording, noise: &Noise) -> Option<String> {
     })
 }
 
-/// Rows of the pieces that are twinned: all, or pieces spread evenly.
+/// Rows of the pieces that are twinned, spread evenly; all of a recording that is short enough.
 fn pieces(recording: &Recording) -> Vec<(usize, usize)> {
     let t_s = &recording.t_s;
     let (first_s, rows) = (t_s[0], t_s.len());
     let span_s = t_s[rows - 1] - first_s;
-    if span_s <= LONGEST_S {
-        return vec![(0, rows)];
-    }
-    let length_s = LONGEST_S / PIECES as f64;
-    let start_s = |piece: usize| first_s + (span_s - length_s) * piece as f64 / (PIECES - 1) as f64;
+    let count = ((span_s / SHORTEST_S) as usize).clamp(1, TWINS);
+    let length_s = PIECE_S.min(span_s / count as f64);
     let row = |at_s: f64| t_s.partition_point(|t| *t < at_s);
-    let all = (0..PIECES).map(|piece| (row(start_s(piece)), row(start_s(piece) + length_s)));
-    all.filter(|(from, to)| to - from > 1).collect()
+    let all = (0..count).map(|piece| {
+        let start_s = first_s + (span_s - length_s) * piece as f64 / (count - 1).max(1) as f64;
+        let last = if piece + 1 == count { rows } else { row(start_s + length_s) };
+        (row(start_s), last)
+    });
+    // A gap may leave a piece without a window.
+    let whole = all.filter(|&(from, to)| to - from > 1 && t_s[to - 1] - t_s[from] > 0.8 * length_s);
+    let pieces: Vec<(usize, usize)> = whole.collect();
+    if pieces.is_empty() { vec![(0, rows)] } else { pieces }
 }
 
 /// Rows `from..to` of the columns that a twin is made of.
