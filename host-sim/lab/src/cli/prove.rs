@@ -149,10 +149,10 @@ impl Args {
     }
 
     fn prove_real(&self, settings: &Settings) -> Result<(), Error> {
-        let (outcomes, skipped) = real::run(&self.data, &settings.out, &settings.tool)?;
+        let (outcomes, skipped) = real::run(&self.data, &settings.out, &settings.tool);
         self.json.as_ref().map_or(Ok(()), |file| json(file, &outcomes))?;
         if let Some(file) = &self.write_results {
-            output::write_text(file, &results::real_document(&outcomes))?;
+            output::write_text(file, &results::real_document(&outcomes, &skipped))?;
         }
         let skipped: String = skipped.iter().map(|line| format!("{line}\n")).collect();
         output::print(&(text::aligned(&real::table(&outcomes)) + &skipped))

@@ -91,9 +91,10 @@ pub fn document(results: &Results) -> String {
     text
 }
 
-/// The real machines as Markdown.
-pub fn real_document(outcomes: &[RealOutcome]) -> String {
+/// The real machines as Markdown, with the reasons where there is no answer.
+pub fn real_document(outcomes: &[RealOutcome], without: &[String]) -> String {
     let words: Vec<String> = std::env::args().skip(1).collect();
     let table = markdown(&real::table(outcomes));
-    format!("# Real machines with an effect concealed\n\nMade by `servo-lab {}`.\n\n{table}", words.join(" "))
+    let without: String = without.iter().map(|line| format!("\n{line}\n")).collect();
+    format!("# Real machines with an effect concealed\n\nMade by `servo-lab {}`.\n\n{table}{without}", words.join(" "))
 }

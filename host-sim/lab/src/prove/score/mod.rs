@@ -171,8 +171,8 @@ impl ArmScore {
     }
 }
 
-/// Whether a single effect is at least twice as strong as what is found in half of the cases; of an effect that is
-/// found at no size that was tried, whether it is of the clearest sizes.
+/// Whether a single effect is at least twice as strong as what is found in half of the cases; of an effect so hard to
+/// find that twice that was not tried, whether it is within a factor of two of the clearest.
 fn clear(outcome: &Outcome, power: &[Curve]) -> bool {
     let [effect] = &outcome.truth.effects[..] else { return false };
     let Some(curve) = power.iter().find(|curve| curve.id == effect.id) else { return false };
