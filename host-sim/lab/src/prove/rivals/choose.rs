@@ -13,6 +13,9 @@ const RIDGE: f64 = 0.05;
 const ROUNDS: usize = 20;
 /// Groups a forward selection takes at most.
 const MOST: usize = 12;
+/// Effects of which one is taken at most. With the torque, the acceleration and all drag free the balance of the torques
+/// itself would be an exact fit, of anything.
+const SCALES: [&str; 2] = ["inertia", "torque_gain"];
 
 /// What one more parameter costs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -82,7 +85,9 @@ impl Gram {
         let mut chosen: Vec<usize> = Vec::new();
         let mut best = self.rows * self.residual.max(1e-300).ln();
         while chosen.len() < MOST {
-            let taken = |group: usize| chosen.iter().any(|&other| table.groups[other].id == table.groups[group].id);
+            let excludes = |a: &str, b: &str| a == b || SCALES.contains(&a) && SCALES.contains(&b);
+            let taken =
+                |group: usize| chosen.iter().any(|&other| excludes(table.groups[other].id, table.groups[group].id));
             let with = |group: usize| {
                 let more: Vec<usize> = chosen.iter().copied().chain([group]).collect();
                 value(&more).map(|value| (group, value))
@@ -100,9 +105,11 @@ impl Gram {
     }
 
     /// Sequentially thresholded ridge regression on all columns (S. Brunton, J. Proctor, N. Kutz, 2016), largest term
-    /// first.
+    /// first; the torque is what is explained, as in every inverse dynamic model.
     pub(super) fn sparse(&self, table: &Table, groups: &[usize]) -> Vec<usize> {
-        let mut columns = table.columns_of(groups);
+        let inverse_dynamics: Vec<usize> =
+            groups.iter().copied().filter(|&group| table.groups[group].id != SCALES[1]).collect();
+        let mut columns = table.columns_of(&inverse_dynamics);
         let mut weights = Vec::new();
         for _ in 0..ROUNDS {
             let Some(solved) = self.solve(&columns, RIDGE) else { return Vec::new() };

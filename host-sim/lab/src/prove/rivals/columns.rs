@@ -152,10 +152,13 @@ impl<'a> Signals<'a> {
     }
 }
 
-/// A held signal some rows late.
+/// A held signal some rows late, at the instants of the rows: half a row later than the rows that hold it, or every
+/// recording would read as one of a delayed drive.
 fn delayed(signal: &[f64], rows: f64) -> Vec<f64> {
-    let rows = rows.round() as usize;
-    (0..signal.len()).map(|at| if at >= rows { signal[at - rows] } else { 0.0 }).collect()
+    let late = rows + 0.5;
+    let (whole, share) = (late.floor() as usize, late.fract());
+    let back = |at: usize, rows: usize| if at >= rows { signal[at - rows] } else { 0.0 };
+    (0..signal.len()).map(|at| (1.0 - share) * back(at, whole) + share * back(at, whole + 1)).collect()
 }
 
 /// A held signal through a first-order lag of some rows.

@@ -102,6 +102,14 @@ mod tests {
     }
 
     #[test]
+    fn the_balance_of_torques_itself_is_no_explanation() {
+        for rival in named(&[]) {
+            let both = ["inertia", "torque_gain"].iter().all(|id| rival.named.iter().any(|name| name == id));
+            assert!(!both && rival.heldout_share > 0.3, "{rival:?}");
+        }
+    }
+
+    #[test]
     fn an_effect_that_was_taken_out_is_named_by_none() {
         let sizes = Sizes { high: 1.0, low: 1.0 };
         let blueprint = Blueprint { arm: Arm::Removed, effects: vec!["spring_load"], sizes, decoy: None };
