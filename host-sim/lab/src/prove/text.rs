@@ -19,7 +19,11 @@ pub fn pass(score: &Score) -> Table {
     let row = |pass: &Pass| {
         let measured = pass.measured.map_or_else(|| "not asked".to_owned(), |value| format!("{value:.3}"));
         let interval = pass.interval.map_or_else(String::new, |[low, high]| format!("{low:.3} to {high:.3}"));
-        let met = if pass.met { "met" } else { "NOT MET" };
+        let met = match (pass.measured, pass.met) {
+            (None, _) => "-",
+            (_, true) => "met",
+            (_, false) => "NOT MET",
+        };
         vec![pass.what.clone(), pass.required.clone(), measured, interval, pass.of.to_string(), met.to_owned()]
     };
     let head = vec!["pass line", "required", "measured", "95 % interval", "cases", ""];

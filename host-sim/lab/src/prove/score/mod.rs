@@ -123,7 +123,9 @@ impl Score {
         let reliability = Reliability::of(outcomes.iter().flat_map(|outcome| &outcome.intervals));
         let over_oracle: Vec<f64> = outcomes.iter().filter_map(|outcome| outcome.heldout_over_oracle).collect();
         let over_floor: Vec<f64> = outcomes.iter().filter_map(|outcome| outcome.heldout_over_floor).collect();
-        let pass = pass(outcomes, &power, &reliability, &over_oracle);
+        let mut pass = pass(outcomes, &power, &reliability, &over_oracle);
+        let answered = Count { holds: outcomes.len(), of: outcomes.len() + ran.failures.len() };
+        pass.push(Pass::share("cases with an answer", "all".to_owned(), answered, |share| share >= 1.0));
         let arms = Arm::ALL.into_iter().filter_map(|arm| ArmScore::of(arm, outcomes)).collect();
         let seconds: Vec<f64> = outcomes.iter().map(|outcome| outcome.seconds).collect();
         Self {
@@ -291,7 +293,7 @@ mod tests {
         outcomes.push(outcome(Arm::Outside, 1.0, "named", "inertia"));
         let score = Score::of(&Ran { outcomes: outcomes.clone(), failures: Vec::new() });
         let met: Vec<bool> = score.pass.iter().map(|pass| pass.met).collect();
-        assert_eq!(met, [true, true, false, false, false, false], "{:?}", score.pass);
+        assert_eq!(met, [true, true, false, false, false, false, true], "{:?}", score.pass);
         // The name on clean data and the one outside the library; an effect too small to be found is no miss.
         assert_eq!(score.misses(&outcomes).count(), 2);
         assert_eq!(score.confusion["inertia"]["(none)"], 3);
