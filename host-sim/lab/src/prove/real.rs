@@ -54,8 +54,11 @@ struct RealCase {
     conceal: fn(&mut Machine),
     fitted: &'static [&'static str],
     held_out: &'static str,
-    truth: fn(&Path) -> Result<Vec<(Truth, String)>, Error>,
+    truth: fn(&Path) -> Result<Vec<Sourced>, Error>,
 }
+
+/// A true value and where it is from.
+type Sourced = (Truth, String);
 
 /// Effect, parameter, order a revolution where there are several, value.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -103,12 +106,12 @@ const CASES: [RealCase; 4] = [
 /// The published offset stands on the side of the drag; the tool's on that of the drive.
 const OFFSET: Truth = Truth("torque_offset", "offset_n", None, 3.165);
 
-fn published(values: &[Truth]) -> Vec<(Truth, String)> {
+fn published(values: &[Truth]) -> Vec<Sourced> {
     values.iter().map(|value| (*value, "Janot, Gautier, Brunot 2019".to_owned())).collect()
 }
 
 /// Amplitudes of the holding torque over one revolution, as two maps of the same motor have them.
-fn map(folder: &Path) -> Result<Vec<(Truth, String)>, Error> {
+fn map(folder: &Path) -> Result<Vec<Sourced>, Error> {
     let (fine, coarse) = (amplitudes(&folder.join("map_a_4.csv"))?, amplitudes(&folder.join("map_rev_16.csv"))?);
     let value = |((order, fine), coarse): ((&f64, f64), f64)| {
         let truth = Truth("cogging", "amplitude_nm", Some(*order), fine);
