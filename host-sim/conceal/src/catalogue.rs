@@ -20,15 +20,41 @@ pub struct Entry {
     /// Draws values at a fraction of the clear size.
     draw: fn(f64, &mut StdRng) -> Vec<f64>,
     put: fn(&mut Physics, &[f64]),
+    leading: usize,
+    /// Value of the leading parameter without the effect; none where the effect goes with one over it.
+    origin: Option<f64>,
 }
 
 impl Entry {
+    /// The parameter that says how strong the effect is, and its value without the effect; none where the effect grows
+    /// as that parameter falls.
+    pub fn leading(&self) -> (&'static str, Option<f64>) {
+        (self.parameters[self.leading], self.origin)
+    }
+
+    const fn led_by(mut self, leading: usize) -> Self {
+        self.leading = leading;
+        self
+    }
+
+    const fn from(mut self, origin: f64) -> Self {
+        self.origin = Some(origin);
+        self
+    }
+
+    const fn falling(mut self) -> Self {
+        self.origin = None;
+        self
+    }
+
     /// Puts the effect at `size` times its clear size into a machine.
     pub fn conceal(&self, size: f64, physics: &mut Physics, random: &mut StdRng) -> Concealed {
         let values = (self.draw)(size, random);
         (self.put)(physics, &values);
+        let leading = values[self.leading];
+        let strength = self.origin.map_or(1.0 / leading, |origin| (leading - origin).abs());
         let parameters = self.parameters.iter().map(|id| (*id).to_owned()).zip(values).collect();
-        Concealed { id: self.id.to_owned(), in_vocabulary: self.in_vocabulary, size, parameters }
+        Concealed { id: self.id.to_owned(), in_vocabulary: self.in_vocabulary, size, strength, parameters }
     }
 }
 
@@ -65,7 +91,7 @@ const fn inside(
     draw: fn(f64, &mut StdRng) -> Vec<f64>,
     put: fn(&mut Physics, &[f64]),
 ) -> Entry {
-    Entry { id, in_vocabulary: true, parameters, draw, put }
+    Entry { id, in_vocabulary: true, parameters, draw, put, leading: 0, origin: Some(0.0) }
 }
 
 const fn outside(
@@ -74,7 +100,7 @@ const fn outside(
     draw: fn(f64, &mut StdRng) -> Vec<f64>,
     put: fn(&mut Physics, &[f64]),
 ) -> Entry {
-    Entry { id, in_vocabulary: false, parameters, draw, put }
+    Entry { id, in_vocabulary: false, parameters, draw, put, leading: 0, origin: Some(0.0) }
 }
 
 /// Every effect: those of the vocabulary in the order of its table, then those outside it.
@@ -84,7 +110,8 @@ pub static ENTRIES: &[Entry] = &[
         &["dead_time_s"],
         |s, r| vec![0.002 + by(0.004, s, r)],
         |p, v| p.fluid.dead_time_s = v[0],
-    ),
+    )
+    .from(0.002),
     inside(
         "field_lag",
         &["lag_s"],
@@ -92,7 +119,8 @@ pub static ENTRIES: &[Entry] = &[
         |p, v| {
             (p.fluid.rise_s, p.fluid.fall_s) = (v[0], v[0]);
         },
-    ),
+    )
+    .from(0.003),
     inside(
         "field_lag_asymmetry",
         &["rise_s", "fall_s"],
@@ -100,7 +128,9 @@ pub static ENTRIES: &[Entry] = &[
         |p, v| {
             (p.fluid.rise_s, p.fluid.fall_s) = (v[0], v[1]);
         },
-    ),
+    )
+    .led_by(1)
+    .from(0.003),
     inside(
         "field_slew_limit",
         &["slew_kv_mm_s"],
@@ -108,9 +138,10 @@ pub static ENTRIES: &[Entry] = &[
         |p, v| {
             p.fluid.slew_kv_mm_s = Some(v[0]);
         },
-    ),
-    inside("field_gain", &["gain"], |s, r| vec![1.0 + either(0.2, s, r)], |p, v| p.fluid.field_gain = v[0]),
-    inside("er_strength", &["scale"], |s, r| vec![1.0 + either(0.25, s, r)], |p, v| p.fluid.scale = v[0]),
+    )
+    .falling(),
+    inside("field_gain", &["gain"], |s, r| vec![1.0 + either(0.2, s, r)], |p, v| p.fluid.field_gain = v[0]).from(1.0),
+    inside("er_strength", &["scale"], |s, r| vec![1.0 + either(0.25, s, r)], |p, v| p.fluid.scale = v[0]).from(1.0),
     inside("er_drift", &["rate_per_s"], |s, r| vec![either(0.04, s, r)], |p, v| p.fluid.drift_per_s = v[0]),
     inside(
         "er_preyield",
@@ -119,7 +150,8 @@ pub static ENTRIES: &[Entry] = &[
         |p, v| {
             p.fluid.preyield_nm_rad = Some(v[0]);
         },
-    ),
+    )
+    .falling(),
     inside(
         "viscosity_dead_time",
         &["dead_time_s"],
@@ -143,7 +175,8 @@ pub static ENTRIES: &[Entry] = &[
         |p, v| {
             p.friction.coulomb_nm = v[0];
         },
-    ),
+    )
+    .from(0.763),
     inside(
         "viscous_friction",
         &["viscous_nm_s_rad"],
@@ -173,12 +206,15 @@ pub static ENTRIES: &[Entry] = &[
         |p, v| {
             p.friction.presliding_nm_rad = Some(v[0]);
         },
-    ),
-    inside("torque_gain", &["gain"], |s, r| vec![1.0 + either(0.1, s, r)], |p, v| p.drive.gain = v[0]),
+    )
+    .falling(),
+    inside("torque_gain", &["gain"], |s, r| vec![1.0 + either(0.1, s, r)], |p, v| p.drive.gain = v[0]).from(1.0),
     inside("torque_offset", &["offset_nm"], |s, r| vec![either(0.3, s, r)], |p, v| p.drive.offset_nm = v[0]),
-    inside("torque_saturation", &["limit_nm"], |s, r| vec![30.0 - by(18.0, s, r)], |p, v| p.drive.limit_nm = v[0]),
+    inside("torque_saturation", &["limit_nm"], |s, r| vec![30.0 - by(18.0, s, r)], |p, v| p.drive.limit_nm = v[0])
+        .from(30.0),
     inside("torque_deadband", &["deadband_nm"], |s, r| vec![by(0.4, s, r)], |p, v| p.drive.deadband_nm = v[0]),
-    inside("torque_delay", &["delay_s"], |s, r| vec![0.005 + by(0.0015, s, r)], |p, v| p.drive.delay_s = v[0]),
+    inside("torque_delay", &["delay_s"], |s, r| vec![0.005 + by(0.0015, s, r)], |p, v| p.drive.delay_s = v[0])
+        .from(0.005),
     inside("torque_lag", &["lag_s"], |s, r| vec![by(0.0015, s, r)], |p, v| p.drive.lag_s = v[0]),
     inside(
         "cogging",
@@ -191,7 +227,8 @@ pub static ENTRIES: &[Entry] = &[
         &["inertia_kg_m2"],
         |s, r| vec![0.075 * (1.0 + either(0.12, s, r))],
         |p, v| p.inertia_kg_m2 = v[0],
-    ),
+    )
+    .from(0.075),
     inside(
         "gravity_load",
         &["amplitude_nm", "phase_rad"],
@@ -208,7 +245,8 @@ pub static ENTRIES: &[Entry] = &[
         |p, v| {
             p.shaft = Some(Shaft { resonance_hz: v[0], damping_ratio: v[1], inertia_ratio: v[2], gap_rad: 0.0 });
         },
-    ),
+    )
+    .falling(),
     inside(
         "backlash",
         &["gap_rad", "resonance_hz", "damping_ratio", "inertia_ratio"],
@@ -222,13 +260,15 @@ pub static ENTRIES: &[Entry] = &[
         &["start_s", "duration_s", "amplitude_nm"],
         |s, r| vec![r.random_range(1.0..7.0), r.random_range(0.05..0.2), either(2.0, s, r)],
         |p, v| p.pulse = Some(Pulse { start_s: v[0], duration_s: v[1], amplitude_nm: v[2] }),
-    ),
+    )
+    .led_by(2),
     inside(
         "vibration",
         &["frequency_hz", "amplitude_nm"],
         |s, r| vec![r.random_range(8.0..40.0), by(0.3, s, r)],
         |p, v| p.vibration = Some((v[0], v[1], 0.0)),
-    ),
+    )
+    .led_by(1),
     inside(
         "quadratic_drag",
         &["coefficient_nm_s2_rad2"],
@@ -251,7 +291,8 @@ pub static ENTRIES: &[Entry] = &[
         |p, v| {
             p.sensor.glitch = Some((v[0], v[1]));
         },
-    ),
+    )
+    .led_by(1),
     outside(
         "friction_over_position",
         &["share", "order_per_rev", "phase_rad"],
@@ -293,7 +334,9 @@ pub static ENTRIES: &[Entry] = &[
         &["from_s", "inertia_kg_m2"],
         |s, r| vec![r.random_range(2.5..5.5), 0.075 * (1.0 + by(0.4, s, r))],
         |p, v| p.load_change = Some((v[0], v[1])),
-    ),
+    )
+    .led_by(1)
+    .from(0.075),
     outside(
         "magnetic_saturation",
         &["level_nm"],
@@ -301,7 +344,8 @@ pub static ENTRIES: &[Entry] = &[
         |p, v| {
             p.drive.saturation_nm = Some(v[0]);
         },
-    ),
+    )
+    .falling(),
     outside(
         "field_leakage",
         &["share", "time_s"],

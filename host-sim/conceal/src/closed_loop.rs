@@ -16,6 +16,8 @@ use crate::rotor::{Command, Rotor, STEP_S};
 /// One control period as the drive logs it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Row {
+    /// Number of the control period since the start.
+    pub seq: usize,
     /// s.
     pub t_s: f64,
     /// Reference.
@@ -52,7 +54,9 @@ impl Run<'_> {
     /// A configuration the law refuses, a drive that trips.
     pub fn follow(&self, reference: &[Counts]) -> Result<Vec<Row>, Error> {
         let params = Params::new(self.config).map_err(Error::Config)?;
-        let mut state = State::running_at(Counts(0));
+        // The drive was enabled where its sensor says that the axis stands.
+        let shown_rad = self.physics.sensor.eccentricity.map_or(0.0, |wave| wave.at(0.0));
+        let mut state = State::running_at(Counts::from_rad(shown_rad));
         let mut random = StdRng::seed_from_u64(self.seed);
         let mut rotor = Rotor::new(self.physics, STEP_S);
         let mut sensor = Measured::new(&self.physics.sensor);
@@ -78,6 +82,7 @@ impl Run<'_> {
             }
             field_kv_mm = outputs.field_kv_mm;
             rows.push(Row {
+                seq: rows.len(),
                 t_s: rotor.now_s(),
                 reference,
                 position: outputs.position,

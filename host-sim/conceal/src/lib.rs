@@ -6,18 +6,21 @@
 //! [`STEP_S`]; delays are ring buffers of steps, lags exact recursions. Only the control law [`er_servo::step`] is shared,
 //! so that the loop is the real one.
 //!
-//! Data takes this way: [`catalogue`] draws effects and their sizes, [`physics`] holds the machine as numbers, [`rotor`]
+//! Data takes this way: [`plan`] says what a seed is, [`catalogue`] draws effects and their sizes, [`physics`] holds the machine as numbers, [`rotor`]
 //! integrates it, [`closed_loop`] runs the law on it along a [`reference`], [`recording`] writes what the drive would have
-//! logged, and [`seal`] closes the truth away. The same seed gives the same files.
+//! logged, [`case`] puts all of that together, and [`seal`] closes the truth away. The same seed gives the same files.
 #![forbid(unsafe_code)]
 
+pub mod case;
 pub mod catalogue;
 pub mod closed_loop;
 mod delay;
 mod drive;
 mod fluid;
 mod friction;
+mod machine_file;
 pub mod physics;
+pub mod plan;
 pub mod recording;
 pub mod reference;
 pub mod rotor;
@@ -40,9 +43,12 @@ pub enum Error {
         /// What the law said.
         faults: String,
     },
-    /// A reference the law's own sequencer refuses.
+    /// A file that is no reference.
     #[error("the reference cannot be played: {0}")]
-    Reference(er_servo::experiment::ExperimentError),
+    ReferenceFile(String),
+    /// A file that cannot be written.
+    #[error("cannot write {0}")]
+    Write(String),
     /// Text that could not be made.
     #[error("the recording cannot be written: {0}")]
     Csv(#[from] csv::Error),

@@ -38,7 +38,7 @@ pub fn csv(rows: &[Row], resolution: Resolution) -> Result<Vec<u8>, Error> {
     header.extend(full.then_some("velocity_rad_s"));
     header.push("seq");
     writer.write_record(&header)?;
-    for (seq, row) in rows.iter().enumerate() {
+    for row in rows {
         let step_rad = resolution.step_rad();
         let position_rad =
             if full { row.position.to_rad() } else { (row.position.to_rad() / step_rad).round() * step_rad };
@@ -52,7 +52,7 @@ pub fn csv(rows: &[Row], resolution: Resolution) -> Result<Vec<u8>, Error> {
             row.mode.name().to_owned(),
         ];
         cells.extend(full.then(|| format!("{:?}", f64::from(row.speed_rad_s))));
-        cells.push(seq.to_string());
+        cells.push(row.seq.to_string());
         writer.write_record(&cells)?;
     }
     writer.into_inner().map_err(|error| Error::Csv(error.into_error().into()))

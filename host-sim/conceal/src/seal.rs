@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 use crate::Error;
+use crate::plan::{Arm, Decoy};
 
 /// A concealed effect with its values in the machine.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -14,6 +15,9 @@ pub struct Concealed {
     pub in_vocabulary: bool,
     /// Fraction of the clear size, 1.
     pub size: f64,
+    /// How far its leading parameter is from having no effect, in that parameter's unit, or one over it where small
+    /// values are strong.
+    pub strength: f64,
     /// Values by parameter.
     pub parameters: Vec<(String, f64)>,
 }
@@ -23,6 +27,10 @@ pub struct Concealed {
 pub struct Truth {
     /// Of the case.
     pub seed: u64,
+    /// Kind of question.
+    pub arm: Arm,
+    /// How the log or the machine file misleads.
+    pub decoy: Option<Decoy>,
     /// What was concealed; nothing for a clean machine.
     pub effects: Vec<Concealed>,
     /// Standard deviations of the torque noise, N m, and of the sensor noise, rad.

@@ -4,14 +4,13 @@
 use conceal::catalogue::{ENTRIES, for_recording};
 use conceal::closed_loop::{Row, Run};
 use conceal::physics::Physics;
-use conceal::reference::{Family, positions};
+use conceal::reference::{Family, RICH};
 use er_servo::Config;
 use rand::SeedableRng;
 use rand::rngs::StdRng;
 
-fn rows(physics: &Physics, duration_s: f32) -> Vec<Row> {
-    let shape = Family::Steps.draw(&mut StdRng::seed_from_u64(3));
-    let reference = positions(shape, duration_s, 0.0005).unwrap();
+fn rows(physics: &Physics, duration_s: f64) -> Vec<Row> {
+    let reference = Family::Steps.draw(duration_s, 0.0005, &mut StdRng::seed_from_u64(3));
     let config = Config::default();
     Run { physics, config: &config, jitter_s: 0.0, seed: 5 }.follow(&reference).unwrap()
 }
@@ -44,4 +43,37 @@ fn time_of_an_eight_second_recording_is_printed() {
     let started = std::time::Instant::now();
     let made = rows(&Physics::nominal(), 8.0);
     println!("{} rows in {:.2} s", made.len(), started.elapsed().as_secs_f64());
+}
+
+#[test]
+fn no_effect_trips_the_drive_under_any_family() {
+    for entry in ENTRIES {
+        for (index, family) in RICH.into_iter().chain([Family::SlowSine]).enumerate() {
+            let mut random = StdRng::seed_from_u64(index as u64);
+            let mut physics = Physics::nominal();
+            entry.conceal(1.0, &mut physics, &mut random);
+            let reference = family.draw(1.2, 0.0005, &mut random);
+            let run = Run { physics: &physics, config: &Config::default(), jitter_s: 20e-6, seed: 1 };
+            assert!(run.follow(&reference).is_ok(), "{} {family:?}", entry.id);
+        }
+    }
+}
+
+#[test]
+fn a_case_is_the_same_files_every_time_and_keeps_its_gaps() {
+    use conceal::case::{Case, HELD_OUT, MACHINE};
+    use conceal::plan::{Decoy, plan};
+    let seed = plan().iter().position(|case| case.decoy == Some(Decoy::Gaps)).unwrap() as u64;
+    let read = || {
+        let folder = tempfile::tempdir().unwrap();
+        Case::draw(seed).write(folder.path()).unwrap();
+        [MACHINE, "a.csv", HELD_OUT].map(|name| std::fs::read_to_string(folder.path().join(name)).unwrap())
+    };
+    let files = read();
+    assert_eq!(files, read());
+    let seq: Vec<u64> = files[1].lines().skip(1).map(|row| row.rsplit(',').next().unwrap().parse().unwrap()).collect();
+    assert!(seq.windows(2).all(|two| two[1] > two[0]) && seq.windows(2).any(|two| two[1] > two[0] + 1));
+    let nominal: Vec<_> = plan().into_iter().filter(|case| case.decoy == Some(Decoy::Nominal)).collect();
+    let case = Case::of(3, nominal[0].clone());
+    assert_eq!(case.truth.effects[0].id, "inertia");
 }

@@ -1,4 +1,4 @@
-//! `servo-lab prove` as a user runs it: sealed, resumable, and repeatable by seed.
+//! `servo-lab prove` as a user runs it: sealed, resumable, shared out and merged, and repeatable by seed.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::path::Path;
@@ -12,22 +12,92 @@ fn prove(out: &Path, flags: &[&str]) -> String {
     String::from_utf8(output.stdout).unwrap()
 }
 
+/// A stand-in for the tool: it answers at once, the same to everything.
+#[cfg(unix)]
+fn stand_in(folder: &Path, answer: &str) -> String {
+    use std::os::unix::fs::PermissionsExt as _;
+    let file = folder.join("tool");
+    // Words: diagnose --machine M --json OUT ...
+    std::fs::write(&file, format!("#!/bin/sh\ncat > \"$5\" <<'END'\n{answer}\nEND\n")).unwrap();
+    std::fs::set_permissions(&file, std::fs::Permissions::from_mode(0o755)).unwrap();
+    file.to_str().unwrap().to_owned()
+}
+
 #[test]
-fn a_case_is_sealed_judged_kept_and_resumed() {
+#[cfg(unix)]
+fn a_case_is_sealed_before_it_is_diagnosed_then_judged_kept_and_resumed() {
     let folder = tempfile::tempdir().unwrap();
-    let first = prove(folder.path(), &["--case", "0"]);
-    assert!(first.contains("1 cases, sealed: SHA-256 "), "{first}");
+    let tool = stand_in(folder.path(), r#"{"verdict": "none", "effects": []}"#);
+    let first = prove(folder.path(), &["--case", "0", "--program", &tool]);
+    assert!(first.starts_with("1 cases, sealed: SHA-256 "), "{first}");
     assert!(first.contains("clean"), "{first}");
     let text = std::fs::read(folder.path().join("sealed/0.json")).unwrap();
     let sums = std::fs::read_to_string(folder.path().join("sealed/SHA256SUMS")).unwrap();
     assert_eq!(sums, format!("{}  0.json\n", conceal::seal::hash(&text)));
+    assert!(first.contains(&conceal::seal::hash(sums.as_bytes())), "{first}");
     assert!(folder.path().join("cases/0/machine.toml").exists() && folder.path().join("cases/0/a.csv").exists());
-    // The outcome is there: the second run reads it, and the merge counts it.
+    // The outcome is there: the second run reads it.
     std::fs::remove_dir_all(folder.path().join("cases")).unwrap();
-    assert_eq!(prove(folder.path(), &["--case", "0"]), first);
+    assert_eq!(prove(folder.path(), &["--case", "0", "--program", &tool]), first);
     assert!(!folder.path().join("cases").exists());
-    let merged = prove(folder.path(), &["--merge", folder.path().to_str().unwrap()]);
-    assert!(first.ends_with(&merged), "{merged}");
+}
+
+#[test]
+#[cfg(unix)]
+fn the_diagnosis_is_given_the_files_of_the_case_and_nothing_else() {
+    let folder = tempfile::tempdir().unwrap();
+    let tool = stand_in(folder.path(), "");
+    // What the stand-in was asked: its words, one a line, in place of an answer.
+    std::fs::write(&tool, "#!/bin/sh\nprintf '%s\\n' \"$@\" > words\nls >> words\nexit 3\n").unwrap();
+    let printed = prove(folder.path(), &["--case", "0", "--program", &tool]);
+    assert!(printed.contains("diagnose ended with"), "{printed}");
+    let words = std::fs::read_to_string(folder.path().join("cases/0/words")).unwrap();
+    let words: Vec<&str> = words.lines().collect();
+    let asked = ["diagnose", "--machine", "machine.toml", "--json", "answer.json", "--jobs", "1"];
+    assert_eq!(words[..7], asked);
+    assert_eq!(words[7..11], ["--holdout", "c.csv", "a.csv", "b.csv"]);
+    assert_eq!(words[11..], ["a.csv", "answer.stderr", "b.csv", "c.csv", "machine.toml", "words"]);
+}
+
+#[test]
+#[cfg(unix)]
+fn shards_merged_equal_the_whole_and_every_output_is_written() {
+    let folder = tempfile::tempdir().unwrap();
+    let tool = stand_in(
+        folder.path(),
+        r#"{"verdict": "named", "effects": [{"id": "coulomb_friction", "parameters": [
+           {"id": "coulomb_nm", "value": 1.0, "low": 0.4, "high": 1.1, "unit": "N m"}]}]}"#,
+    );
+    let seeds = ["--effect", "coulomb_friction", "--arm", "single,removed", "--no-rivals", "--program", &tool];
+    let run = |out: &str, more: &[&str]| prove(&folder.path().join(out), &[&seeds[..], more].concat());
+    let whole = run("whole", &[]);
+    run("one", &["--shard", "1/2"]);
+    run("two", &["--shard", "2/2"]);
+    let at = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let files = [at("r.json"), at("r.html"), at("r.md")];
+    let outputs = ["--json", &files[0], "--html", &files[1], "--write-results", &files[2]];
+    let merged = prove(folder.path(), &[&["--merge", &at("one"), &at("two")][..], &outputs[..]].concat());
+    // Times differ from run to run.
+    let timeless = |line: &&str| !line.starts_with("time of one");
+    let counts = |text: &str| text.lines().filter(timeless).collect::<Vec<_>>().join("\n");
+    assert!(counts(&whole).ends_with(&counts(&merged)), "{whole}\n{merged}");
+    let results: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(&files[0]).unwrap()).unwrap();
+    assert_eq!(results["outcomes"].as_array().unwrap().len(), 6);
+    assert_eq!(results["score"]["arms"][1]["wrong"]["holds"], 1);
+    let page = std::fs::read_to_string(&files[1]).unwrap();
+    assert!(page.contains("<svg") && !page.contains("src=") && !page.contains("href="));
+    let kept = std::fs::read_to_string(&files[2]).unwrap();
+    assert!(kept.contains("Made by `servo-lab prove --merge") && kept.contains("SHA-256 of the program"), "{kept}");
+}
+
+#[test]
+fn cases_are_written_with_their_truth_opened() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("cases");
+    prove(folder.path(), &["--case", "0", "--write-only", out.to_str().unwrap()]);
+    for name in ["machine.toml", "a.csv", "b.csv", "c.csv", "truth.json"] {
+        assert!(out.join("clean/0").join(name).exists(), "{name}");
+    }
 }
 
 #[test]

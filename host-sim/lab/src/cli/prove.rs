@@ -1,14 +1,16 @@
 //! `servo-lab prove`.
 
-use std::path::PathBuf;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use crate::prove::run::{self, Settings};
-use crate::prove::{Arm, Blueprint, Outcome, plan, table};
-use crate::{Error, output};
+use conceal::plan::{Arm, Blueprint, plan};
 
-/// Cases of `--quick`, as steps through the plan.
-const QUICK_STRIDE: usize = 23;
+use crate::prove::results::{self, Origin, Results};
+use crate::prove::run::{self, Ran, Settings};
+use crate::prove::tool::Tool;
+use crate::prove::{Score, page, real, text};
+use crate::{Error, output};
 
 /// Flags of `prove`.
 #[derive(Debug, clap::Args)]
@@ -25,7 +27,10 @@ pub struct Args {
     /// Only these arms; separated by commas.
     #[arg(long, value_delimiter = ',')]
     arm: Vec<Arm>,
-    /// Only every 23rd case.
+    /// Only cases that conceal one of these effects; separated by commas.
+    #[arg(long, value_name = "ID", value_delimiter = ',')]
+    effect: Vec<String>,
+    /// Only two cases of each arm.
     #[arg(long)]
     quick: bool,
     /// Only share I of N, I from 1.
@@ -34,10 +39,22 @@ pub struct Args {
     /// Counts the outcomes of these folders together, and runs nothing.
     #[arg(long, value_name = "DIR", num_args = 1..)]
     merge: Vec<PathBuf>,
+    /// Writes recordings, machine file and truth of the cases into DIR/ARM/SEED, and diagnoses nothing.
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["merge", "real"])]
+    write_only: Option<PathBuf>,
+    /// Diagnoses the real machines of --data with an effect left out of their model, in place of the plan.
+    #[arg(long, conflicts_with = "merge")]
+    real: bool,
+    /// Folder of the real recordings.
+    #[arg(long, value_name = "DIR", default_value = "../shared/data")]
+    data: PathBuf,
     /// Folder of seals, outcomes and, with --keep, recordings. Cases with an outcome there are not run again.
     #[arg(long, value_name = "DIR", default_value = "out/prove")]
     out: PathBuf,
-    /// Diagnoses at a time.
+    /// The program that diagnoses; this one by default.
+    #[arg(long, value_name = "FILE")]
+    program: Option<PathBuf>,
+    /// Cases at a time.
     #[arg(long, value_name = "N", default_value_t = 2)]
     workers: usize,
     /// Threads of each diagnosis.
@@ -46,15 +63,24 @@ pub struct Args {
     /// Keeps the recordings.
     #[arg(long)]
     keep: bool,
-    /// Diagnoses again with the true effects only, for the held-out error to be compared with.
+    /// Does not diagnose again with the true effects only, which the held-out error is compared with.
     #[arg(long)]
-    oracle: bool,
-    /// Ends a diagnosis after this long; its case is listed as not run.
+    no_oracle: bool,
+    /// Does not run the rivals.
+    #[arg(long)]
+    no_rivals: bool,
+    /// Ends a diagnosis after this long; its case is listed as without an answer.
     #[arg(long, value_name = "S", default_value_t = 300)]
     limit_s: u64,
-    /// Writes every outcome as JSON.
+    /// Writes the counts and every outcome as JSON.
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
+    /// Writes the report as one page that opens in a browser.
+    #[arg(long, value_name = "FILE")]
+    html: Option<PathBuf>,
+    /// Writes the report as Markdown, with the command and the build that made it.
+    #[arg(long, value_name = "FILE")]
+    write_results: Option<PathBuf>,
 }
 
 fn shard(text: &str) -> Result<(u64, u64), String> {
@@ -67,67 +93,105 @@ fn shard(text: &str) -> Result<(u64, u64), String> {
 /// # Errors
 /// Folders that cannot be read or written.
 pub fn run(args: &Args) -> Result<(), Error> {
-    let outcomes = if args.merge.is_empty() { args.prove()? } else { merged(&args.merge)? };
-    if let Some(file) = &args.json {
-        let text = serde_json::to_string_pretty(&outcomes).map_err(|error| Error::Usage(error.to_string()))?;
-        output::write_text(file, &text)?;
+    if let Some(folder) = &args.write_only {
+        let seeds = args.seeds()?;
+        run::write_only(&seeds, folder)?;
+        return output::print(&format!("{} cases written, {}/ARM/SEED each\n", seeds.len(), folder.display()));
     }
-    output::print(&table::report(&outcomes))
+    let settings = args.settings()?;
+    if args.real {
+        return args.prove_real(&settings);
+    }
+    let ran = if args.merge.is_empty() { args.prove(&settings)? } else { run::merged(&args.merge)? };
+    let score = Score::of(&ran);
+    let printed = text::report(&score, &ran.outcomes);
+    if args.json.is_some() || args.html.is_some() || args.write_results.is_some() {
+        let origin = Origin::now(&settings.tool.program, &ran)?;
+        let results = Results { origin, score, outcomes: ran.outcomes };
+        args.json.as_ref().map_or(Ok(()), |file| json(file, &results))?;
+        args.html.as_ref().map_or(Ok(()), |file| output::write_text(file, &page::page(&results)?))?;
+        args.write_results.as_ref().map_or(Ok(()), |file| output::write_text(file, &results::document(&results)))?;
+    }
+    output::print(&printed)
+}
+
+fn json(file: &Path, content: &impl serde::Serialize) -> Result<(), Error> {
+    let text = serde_json::to_string_pretty(content).map_err(|error| Error::Usage(error.to_string()))?;
+    output::write_text(file, &text)
 }
 
 impl Args {
-    fn prove(&self) -> Result<Vec<Outcome>, Error> {
-        let seeds = self.seeds();
+    fn settings(&self) -> Result<Settings, Error> {
+        let own =
+            || std::env::current_exe().map_err(|error| Error::Usage(format!("the tool cannot find itself: {error}")));
+        let unknown = |error: std::io::Error| Error::Usage(format!("--program: {error}"));
+        let named = self.program.as_ref().map(|program| program.canonicalize().map_err(unknown));
+        Ok(Settings {
+            out: self.out.clone(),
+            tool: Tool {
+                // It runs in other folders.
+                program: named.unwrap_or_else(own)?,
+                jobs: self.jobs.max(1),
+                limit: Duration::from_secs(self.limit_s),
+            },
+            workers: self.workers.max(1),
+            keep: self.keep || self.case.is_some(),
+            oracle: !self.no_oracle,
+            rivals: !self.no_rivals,
+        })
+    }
+
+    fn prove(&self, settings: &Settings) -> Result<Ran, Error> {
+        let seeds = self.seeds()?;
+        let hash = run::seal(&seeds, settings)?;
+        output::print(&format!("{} cases, sealed: SHA-256 {hash} of sealed/SHA256SUMS\n\n", seeds.len()))?;
+        run::run(&seeds, settings)
+    }
+
+    fn prove_real(&self, settings: &Settings) -> Result<(), Error> {
+        let (outcomes, skipped) = real::run(&self.data, &settings.out, &settings.tool);
+        self.json.as_ref().map_or(Ok(()), |file| json(file, &outcomes))?;
+        if let Some(file) = &self.write_results {
+            output::write_text(file, &results::real_document(&outcomes, &skipped))?;
+        }
+        let skipped: String = skipped.iter().map(|line| format!("{line}\n")).collect();
+        output::print(&(text::aligned(&real::table(&outcomes)) + &skipped))
+    }
+
+    fn seeds(&self) -> Result<Vec<u64>, Error> {
+        if let Some(seed) = self.case {
+            return Ok(vec![seed]);
+        }
+        let count = self.count.unwrap_or(plan().len() as u64);
+        let mut seeds: Vec<u64> =
+            (self.first..self.first.saturating_add(count)).filter(|seed| self.asks(*seed)).collect();
+        if self.quick {
+            seeds = two_of_each_arm(&seeds);
+        }
+        let (share, shares) = self.shard.unwrap_or((1, 1));
+        seeds.retain(|seed| seed % shares == share - 1);
         if seeds.is_empty() {
             return Err(Error::Usage("no case is left by these flags".to_owned()));
         }
-        let settings = Settings {
-            out: self.out.clone(),
-            jobs: self.jobs.max(1),
-            workers: self.workers.max(1),
-            keep: self.keep || self.case.is_some(),
-            oracle: self.oracle,
-            limit: Duration::from_secs(self.limit_s),
-        };
-        let hash = run::seal(&seeds, &settings)?;
-        output::print(&format!("{} cases, sealed: SHA-256 {hash} of sealed/SHA256SUMS\n", seeds.len()))?;
-        let (mut outcomes, mut failures) = (Vec::new(), String::new());
-        for result in run::run(&seeds, &settings)? {
-            match result {
-                Ok(outcome) => outcomes.push(outcome),
-                Err(error) => failures.push_str(&format!("not run: {error}\n")),
-            }
-        }
-        output::print(&failures)?;
-        Ok(outcomes)
+        Ok(seeds)
     }
 
-    fn seeds(&self) -> Vec<u64> {
-        if let Some(seed) = self.case {
-            return vec![seed];
-        }
-        let count = self.count.unwrap_or(plan().len() as u64);
-        let stride = if self.quick { QUICK_STRIDE } else { 1 };
-        let wanted = |seed: &u64| self.arm.is_empty() || self.arm.contains(&Blueprint::of(*seed).arm);
-        let (share, shares) = self.shard.unwrap_or((1, 1));
-        let seeds = (self.first..self.first.saturating_add(count)).filter(wanted).step_by(stride);
-        seeds.filter(|seed| seed % shares == share - 1).collect()
+    fn asks(&self, seed: u64) -> bool {
+        let blueprint = Blueprint::of(seed);
+        let arm = self.arm.is_empty() || self.arm.contains(&blueprint.arm);
+        arm && (self.effect.is_empty()
+            || blueprint.effects.iter().any(|id| self.effect.iter().any(|wanted| wanted == id)))
     }
 }
 
-fn merged(folders: &[PathBuf]) -> Result<Vec<Outcome>, Error> {
-    let mut outcomes = Vec::new();
-    for folder in folders {
-        let folder = folder.join("outcomes");
-        let entries = std::fs::read_dir(&folder).map_err(|error| Error::input(&folder, None, "", error.to_string()))?;
-        for entry in entries {
-            let file = entry.map_err(|error| Error::input(&folder, None, "", error.to_string()))?.path();
-            if file.extension().is_some_and(|extension| extension == "json") {
-                outcomes.push(run::read(&file)?);
-            }
-        }
+/// The first case of each arm and the one in the middle, by seed.
+fn two_of_each_arm(seeds: &[u64]) -> Vec<u64> {
+    let mut by_arm: BTreeMap<Arm, Vec<u64>> = BTreeMap::new();
+    for &seed in seeds {
+        by_arm.entry(Blueprint::of(seed).arm).or_default().push(seed);
     }
-    outcomes.sort_by_key(|outcome| outcome.seed);
-    outcomes.dedup_by_key(|outcome| outcome.seed);
-    Ok(outcomes)
+    let mut chosen: Vec<u64> = by_arm.values().flat_map(|seeds| [seeds[0], seeds[seeds.len() / 2]]).collect();
+    chosen.sort_unstable();
+    chosen.dedup();
+    chosen
 }

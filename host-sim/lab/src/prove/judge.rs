@@ -3,11 +3,12 @@
 use std::collections::BTreeSet;
 use std::f64::consts::TAU;
 
+use conceal::case::FITTED;
+use conceal::plan::Arm;
 use conceal::seal::{Concealed, Truth};
 use serde::{Deserialize, Serialize};
 
-use super::Arm;
-use crate::report::{Answer, EffectAnswer, Verdict};
+use super::answer::{Answer, Named, Verdict};
 
 /// One parameter of a rightly named effect.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -26,15 +27,33 @@ pub struct Interval {
     pub holds: bool,
 }
 
+/// What a rival named.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct RivalAnswer {
+    /// Which.
+    pub rival: String,
+    /// Names, first chosen first.
+    pub named: Vec<String>,
+    /// Held-out residual torque after over before, 1.
+    pub heldout_share: f64,
+}
+
+/// What the experiment that the tool proposed led to.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct After {
+    /// Conclusion with its recordings added.
+    pub verdict: Verdict,
+    /// Names.
+    pub named: Vec<String>,
+    /// Exactly the concealed set was `named`.
+    pub right: bool,
+    /// As [`Outcome::confidently_wrong`].
+    pub confidently_wrong: bool,
+}
+
 /// What came of one case.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Outcome {
-    /// Of the case.
-    pub seed: u64,
-    /// Arm.
-    pub arm: Arm,
-    /// Fraction of the clear size.
-    pub size: f64,
     /// The seal, opened.
     pub truth: Truth,
     /// SHA-256 of the seal.
@@ -58,62 +77,110 @@ pub struct Outcome {
     /// Of rightly named effects.
     pub intervals: Vec<Interval>,
     /// Held-out error of the improved model over the noise floor.
-    pub heldout_over_floor: f64,
+    pub heldout_over_floor: Option<f64>,
     /// Held-out error over that of the true structure refitted; none where it was not run.
     pub heldout_over_oracle: Option<f64>,
-    /// Whether a location overlaps the concealed push; none where there is none.
-    pub located: Option<bool>,
+    /// Share of the union of the best location and the concealed event that both cover; none where there is no event.
+    pub located: Option<f64>,
+    /// Whether the first region is over a channel the concealed effect depends on; none where it depends on none.
+    pub region_right: Option<bool>,
+    /// After the proposed experiment, in the arm that asks for it; none too where none was proposed.
+    pub after: Option<After>,
+    /// The rivals on the same files.
+    pub rivals: Vec<RivalAnswer>,
     /// Time the diagnosis took, s.
     pub seconds: f64,
 }
 
+/// Whether naming what was concealed is the right answer.
+pub fn nameable(truth: &Truth) -> bool {
+    !truth.effects.is_empty() && !matches!(truth.arm, Arm::Removed | Arm::Outside)
+}
+
+fn concealed(truth: &Truth) -> BTreeSet<&str> {
+    truth.effects.iter().map(|effect| effect.id.as_str()).collect()
+}
+
+/// A plain `named` with an effect that is not there, and that is not offered as one way to say what is there.
+fn confidently_wrong(truth: &Truth, answer: &Answer) -> bool {
+    let concealed = concealed(truth);
+    let hints = |effect: &Named| effect.equivalent.iter().any(|other| concealed.contains(other.as_str()));
+    let stray = |effect: &Named| !concealed.contains(effect.id.as_str()) && !hints(effect);
+    let wrong = if nameable(truth) { answer.effects.iter().any(stray) } else { !answer.effects.is_empty() };
+    answer.verdict == Verdict::Named && wrong
+}
+
+fn names(answer: &Answer) -> Vec<String> {
+    answer.effects.iter().map(|effect| effect.id.clone()).collect()
+}
+
+impl After {
+    /// Judges the answer with the experiment added.
+    pub fn of(truth: &Truth, answer: &Answer) -> Self {
+        let named = names(answer);
+        let found: BTreeSet<&str> = named.iter().map(String::as_str).collect();
+        let right = answer.verdict == Verdict::Named && found == concealed(truth);
+        Self { verdict: answer.verdict, right, confidently_wrong: confidently_wrong(truth, answer), named }
+    }
+}
+
 impl Outcome {
     /// Judges an answer.
-    pub fn of(arm: Arm, size: f64, truth: Truth, hash: String, answer: &Answer, seconds: f64) -> Self {
-        let named: Vec<String> = answer.effects.iter().map(|effect| effect.id.clone()).collect();
+    pub fn of(truth: Truth, hash: String, answer: &Answer, seconds: f64) -> Self {
+        let named = names(answer);
         let equivalent: Vec<String> = answer.effects.iter().flat_map(|effect| effect.equivalent.clone()).collect();
-        let concealed: BTreeSet<&str> = truth.effects.iter().map(|effect| effect.id.as_str()).collect();
+        let concealed = concealed(&truth);
         let found: BTreeSet<&str> = named.iter().map(String::as_str).collect();
         let hinted = |id: &&str| found.contains(id) || equivalent.iter().any(|other| other == id);
-        let nameable = arm.nameable();
-        let listed = nameable && concealed.iter().all(hinted);
-        // An effect that is named without being there, and that is not offered as one way to say what is there.
-        let stray = |effect: &EffectAnswer| {
-            !concealed.contains(effect.id.as_str())
-                && !effect.equivalent.iter().any(|other| concealed.contains(other.as_str()))
-        };
-        let says = answer.verdict == Verdict::Named;
-        let confidently_wrong = says && if nameable { answer.effects.iter().any(stray) } else { !named.is_empty() };
-        let right = match arm {
-            Arm::Clean | Arm::Decoy => Verdict::None,
+        let nameable = nameable(&truth);
+        let right = match truth.arm {
             Arm::Controller => Verdict::Controller,
-            _ => Verdict::Unknown,
+            Arm::Removed | Arm::Outside => Verdict::Unknown,
+            _ => Verdict::None,
         };
+        let over_floor =
+            answer.fit.heldout_after_rms.zip(answer.fit.noise_floor_rms).map(|(after, floor)| after / floor);
         Self {
             exact: nameable && concealed == found,
             first_right: nameable && named.first().is_some_and(|id| concealed.contains(id.as_str())),
-            listed,
-            confidently_wrong,
+            listed: nameable && concealed.iter().all(hinted),
+            confidently_wrong: confidently_wrong(&truth, answer),
             abstained_right: !nameable && answer.verdict == right,
             intervals: truth.effects.iter().flat_map(|effect| intervals(effect, answer)).collect(),
-            heldout_over_floor: answer.fit.heldout_after_rms / answer.fit.noise_floor_rms,
+            heldout_over_floor: over_floor.filter(|ratio| ratio.is_finite()),
             heldout_over_oracle: None,
             located: located(&truth, answer),
+            region_right: region_right(&truth, answer),
+            after: None,
+            rivals: Vec::new(),
             verdict: answer.verdict,
-            seed: truth.seed,
             named,
             equivalent,
-            arm,
-            size,
             truth,
             hash,
             seconds,
         }
     }
 
-    /// Whether nothing is to be said against it.
+    /// Kind of question.
+    pub fn arm(&self) -> Arm {
+        self.truth.arm
+    }
+
+    /// Whether nothing is to be said against it: named exactly, abstained where that was right, or, under motion that
+    /// cannot tell, the truth listed among what it could be.
     pub fn is_right(&self) -> bool {
-        if self.arm.nameable() { self.exact && self.verdict == Verdict::Named } else { self.abstained_right }
+        if nameable(&self.truth) {
+            let named = self.exact && self.verdict == Verdict::Named;
+            named || self.arm() == Arm::Poor && self.verdict == Verdict::Ambiguous && self.listed
+        } else {
+            self.abstained_right
+        }
+    }
+
+    /// Whether it named anything, by whatever verdict that offers names.
+    pub fn offers_names(&self) -> bool {
+        matches!(self.verdict, Verdict::Named | Verdict::Ambiguous) && !self.named.is_empty()
     }
 
     /// What was concealed, in words.
@@ -122,7 +189,16 @@ impl Outcome {
             let values: Vec<String> = effect.parameters.iter().map(|(id, value)| format!("{id} {value:.4}")).collect();
             format!("{} ({})", effect.id, values.join(", "))
         };
-        self.truth.effects.iter().map(one).collect::<Vec<_>>().join(" + ")
+        let all: Vec<String> = self.truth.effects.iter().map(one).collect();
+        if all.is_empty() { "nothing".to_owned() } else { all.join(" + ") }
+    }
+
+    /// What was answered, in words.
+    pub fn answered(&self) -> String {
+        let hints =
+            if self.equivalent.is_empty() { String::new() } else { format!(" ~ {}", self.equivalent.join(", ")) };
+        let colon = if self.named.is_empty() { "" } else { ": " };
+        format!("{}{colon}{}{hints}", self.verdict.name(), self.named.join(" + "))
     }
 }
 
@@ -130,27 +206,57 @@ fn intervals(concealed: &Concealed, answer: &Answer) -> Vec<Interval> {
     let Some(effect) = answer.effects.iter().find(|effect| effect.id == concealed.id) else { return Vec::new() };
     let one = |(id, truth): &(String, f64)| {
         let found = effect.parameters.iter().find(|parameter| parameter.id == *id)?;
+        let (value, low, high) = (found.value?, found.low?, found.high?);
         // An angle is the same a turn away.
-        let turns = if id == "phase_rad" { ((found.value - truth) / TAU).round() * TAU } else { 0.0 };
+        let turns = if id == "phase_rad" { ((value - truth) / TAU).round() * TAU } else { 0.0 };
         let truth = truth + turns;
-        Some(Interval {
-            parameter: format!("{}.{id}", concealed.id),
-            truth,
-            value: found.value,
-            low: found.low,
-            high: found.high,
-            holds: found.low <= truth && truth <= found.high,
-        })
+        let parameter = format!("{}.{id}", concealed.id);
+        Some(Interval { parameter, truth, value, low, high, holds: low <= truth && truth <= high })
     };
     concealed.parameters.iter().filter_map(one).collect()
 }
 
-fn located(truth: &Truth, answer: &Answer) -> Option<bool> {
+/// An event's place in time: a push in the first recording.
+fn located(truth: &Truth, answer: &Answer) -> Option<f64> {
     let push = truth.effects.iter().find(|effect| effect.id == "disturbance_pulse")?;
     let value = |id: &str| push.parameters.iter().find(|(name, _)| name == id).map(|(_, value)| *value);
     let start_s = value("start_s")?;
     let end_s = start_s + value("duration_s")?;
-    Some(answer.locations.iter().any(|place| place.start_s < end_s && place.end_s > start_s))
+    let spans = answer.locations.iter().filter(|span| span.recording.ends_with(FITTED[0]));
+    let covered = spans.map(|span| {
+        let both = span.end_s.min(end_s) - span.start_s.max(start_s);
+        (both / (span.end_s.max(end_s) - span.start_s.min(start_s))).max(0.0)
+    });
+    Some(covered.fold(0.0, f64::max))
+}
+
+/// Channels an effect depends on, by the start of their names.
+fn channels(id: &str) -> &'static [&'static str] {
+    match id {
+        "cogging"
+        | "gravity_load"
+        | "spring_load"
+        | "nonlinear_spring"
+        | "friction_over_position"
+        | "resolver_eccentricity" => &["position"],
+        "viscous_friction" | "stribeck_friction" | "quadratic_drag" | "coulomb_friction" | "friction_asymmetry"
+        | "stiction_by_rest" | "presliding" => &["speed", "velocity"],
+        "field_gain"
+        | "er_strength"
+        | "field_slew_limit"
+        | "field_leakage"
+        | "field_lag"
+        | "field_dead_time"
+        | "field_lag_asymmetry" => &["field", "since_field"],
+        _ => &[],
+    }
+}
+
+fn region_right(truth: &Truth, answer: &Answer) -> Option<bool> {
+    let [effect] = &truth.effects[..] else { return None };
+    let expected = channels(&effect.id);
+    let first = answer.regions.first().filter(|_| !expected.is_empty())?;
+    Some(expected.iter().any(|channel| first.channel.starts_with(channel)))
 }
 
 #[cfg(test)]
@@ -158,26 +264,23 @@ mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
 
-    /// An answer that names one effect with an interval for its phase.
     fn answer(verdict: &str, id: &str, equivalent: &str) -> Answer {
         let text = format!(
             r#"{{"schema": 1, "verdict": "{verdict}", "effects": [{{"id": "{id}", "text": "", "equivalent": [{equivalent}],
-            "parameters": [{{"id": "phase_rad", "value": 3.1, "low": 3.0, "high": 3.2, "unit": "rad"}}],
-            "evidence": {{"heldout_gain": 0.3, "p_value": 0.0, "excess_explained": 1.0}}}}],
-            "fit": {{"before_rms": 1, "after_rms": 1, "heldout_before_rms": 1, "heldout_after_rms": 1,
-            "noise_floor_rms": 1, "excess_explained": 1, "unit": "rad", "horizon_s": 0.05}},
-            "locations": [{{"recording": "a.csv", "start_s": 1.0, "end_s": 1.2, "share": 1.0, "text": ""}}],
-            "regions": [], "rejected": [], "experiment": null, "warnings": []}}"#
+            "parameters": [{{"id": "phase_rad", "value": 3.1, "low": 3.0, "high": 3.2, "unit": "rad"}}]}}],
+            "fit": {{"heldout_after_rms": 1.1, "noise_floor_rms": 1.0}},
+            "locations": [{{"recording": "a.csv", "start_s": 1.2, "end_s": 1.4, "share": 0.3, "text": ""}}],
+            "regions": [{{"channel": "position_rad", "low": 0, "high": 1, "share": 0.5}}]}}"#
         );
         serde_json::from_str(&text).unwrap()
     }
 
     fn judged(arm: Arm, id: &str, parameters: &[(&str, f64)], answer: &Answer) -> Outcome {
         let parameters = parameters.iter().map(|(id, value)| ((*id).to_owned(), *value)).collect();
-        let effects = vec![Concealed { id: id.to_owned(), in_vocabulary: true, size: 1.0, parameters }];
-        let effects = if id.is_empty() { Vec::new() } else { effects };
-        let truth = Truth { seed: 1, effects, torque_noise_nm: 0.0, sensor_noise_rad: 0.0, salt: String::new() };
-        Outcome::of(arm, 1.0, truth, String::new(), answer, 0.0)
+        let effect = Concealed { id: id.to_owned(), in_vocabulary: true, size: 1.0, strength: 1.0, parameters };
+        let effects = if id.is_empty() { Vec::new() } else { vec![effect] };
+        let truth = Truth { effects, ..super::super::score::testing::truth(arm) };
+        Outcome::of(truth, String::new(), answer, 0.0)
     }
 
     #[test]
@@ -186,6 +289,7 @@ mod tests {
             judged(Arm::Single, "gravity_load", &[("phase_rad", 3.05 - TAU)], &answer("named", "gravity_load", ""));
         assert!(right.is_right() && right.exact && right.first_right && !right.confidently_wrong);
         assert!(right.intervals.iter().all(|interval| interval.holds) && right.intervals.len() == 1);
+        assert_eq!((right.region_right, right.heldout_over_floor), (Some(true), Some(1.1)));
         let outside = judged(Arm::Single, "gravity_load", &[("phase_rad", 2.0)], &answer("named", "gravity_load", ""));
         assert!(!outside.intervals[0].holds);
     }
@@ -196,8 +300,9 @@ mod tests {
         assert!(wrong.confidently_wrong && !wrong.listed && !wrong.is_right());
         let hedged = judged(Arm::Single, "inertia", &[], &answer("named", "torque_gain", "\"inertia\""));
         assert!(!hedged.confidently_wrong && hedged.listed && !hedged.first_right);
-        let ambiguous = judged(Arm::Single, "inertia", &[], &answer("ambiguous", "torque_gain", ""));
+        let ambiguous = judged(Arm::Single, "inertia", &[], &answer("ambiguous", "torque_gain", "\"inertia\""));
         assert!(!ambiguous.confidently_wrong && !ambiguous.is_right());
+        assert!(judged(Arm::Poor, "inertia", &[], &answer("ambiguous", "torque_gain", "\"inertia\"")).is_right());
     }
 
     #[test]
@@ -207,18 +312,27 @@ mod tests {
         assert!(judged(Arm::Outside, "torque_memory", &[], &answer("unknown", "torque_gain", "")).is_right());
         assert!(judged(Arm::Clean, "", &[], &answer("named", "torque_gain", "")).confidently_wrong);
         assert!(judged(Arm::Clean, "", &[], &answer("none", "torque_gain", "")).is_right());
+        assert!(judged(Arm::Decoy, "", &[], &answer("none", "torque_gain", "")).is_right());
+        assert!(judged(Arm::Decoy, "inertia", &[], &answer("named", "inertia", "")).is_right());
+        assert!(judged(Arm::Controller, "", &[], &answer("controller", "torque_gain", "")).is_right());
     }
 
     #[test]
-    fn a_push_is_located_where_a_span_overlaps_it() {
+    fn a_push_is_located_by_the_share_that_both_spans_cover() {
         let push = |start_s| {
-            judged(
-                Arm::Single,
-                "disturbance_pulse",
-                &[("start_s", start_s), ("duration_s", 0.1)],
-                &answer("named", "disturbance_pulse", ""),
-            )
+            let values = [("start_s", start_s), ("duration_s", 0.1)];
+            judged(Arm::Single, "disturbance_pulse", &values, &answer("named", "disturbance_pulse", ""))
+                .located
+                .unwrap()
         };
-        assert_eq!((push(1.15).located, push(2.0).located), (Some(true), Some(false)));
+        assert!((push(1.15) - 0.05 / 0.25).abs() < 1e-9 && push(2.0) == 0.0 && (push(1.3) - 0.5).abs() < 1e-9);
+    }
+
+    #[test]
+    fn after_the_experiment_only_named_and_exact_is_right() {
+        let truth = judged(Arm::Poor, "inertia", &[], &answer("none", "inertia", "")).truth;
+        assert!(After::of(&truth, &answer("named", "inertia", "")).right);
+        assert!(!After::of(&truth, &answer("ambiguous", "inertia", "")).right);
+        assert!(After::of(&truth, &answer("named", "torque_gain", "")).confidently_wrong);
     }
 }

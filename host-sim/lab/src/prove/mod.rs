@@ -3,13 +3,18 @@
 //!
 //! The seed of a case decides everything about it, its arm included, so that each can be run again alone.
 
-pub mod arm;
-pub mod case;
+pub mod answer;
 pub mod judge;
-pub mod plan;
+pub mod page;
+pub mod power;
+pub mod real;
+pub mod results;
+pub mod rivals;
 pub mod run;
-pub mod table;
+pub mod score;
+pub mod text;
+pub mod tool;
 
-pub use arm::Arm;
+pub use answer::{Answer, Verdict};
 pub use judge::Outcome;
-pub use plan::{Blueprint, plan};
+pub use score::Score;

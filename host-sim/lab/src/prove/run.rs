@@ -1,36 +1,42 @@
-//! Cases run: seals first, then files, then the diagnosis in a process of its own.
+//! Cases run: seals first, then files, then the diagnosis, then the judgement.
 
-use std::fs::File;
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, ExitStatus, Stdio};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
+use conceal::case::{Case, EXPERIMENT, FITTED, HELD_OUT, MACHINE};
+use conceal::plan::Arm;
 use rayon::prelude::*;
 
-use super::Outcome;
-use super::case::{Case, Files};
+use super::judge::{After, nameable};
+use super::tool::{Question, Tool, read_json};
+use super::{Answer, Outcome, rivals};
 use crate::progress::Progress;
-use crate::report::Answer;
 use crate::{Error, output};
-
-/// How often a running diagnosis is looked at.
-const POLL: Duration = Duration::from_millis(50);
 
 /// How to run.
 #[derive(Debug, Clone)]
 pub struct Settings {
     /// Folder of cases, seals and outcomes.
     pub out: PathBuf,
-    /// Threads of each diagnosis.
-    pub jobs: usize,
-    /// Diagnoses at a time.
+    /// The tool under test.
+    pub tool: Tool,
+    /// Cases at a time.
     pub workers: usize,
     /// Keep the recordings.
     pub keep: bool,
     /// Fit the true structure too.
     pub oracle: bool,
-    /// A diagnosis that takes longer is ended, and its case counts as not run.
-    pub limit: Duration,
+    /// Run the rivals too.
+    pub rivals: bool,
+}
+
+/// Outcomes, and the seeds that gave none with the reason.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Ran {
+    /// By seed.
+    pub outcomes: Vec<Outcome>,
+    /// Seed and reason.
+    pub failures: Vec<(u64, String)>,
 }
 
 /// Writes the seals of the cases; gives the hash over all of them, which commits to every truth.
@@ -51,29 +57,60 @@ pub fn seal(seeds: &[u64], settings: &Settings) -> Result<String, Error> {
 }
 
 fn sealed(case: &Case) -> Result<(String, String), Error> {
-    case.truth.seal().map_err(|error| Error::Usage(format!("seed {}: {error}", case.seed)))
+    case.truth.seal().map_err(|error| of_seed(case.seed, &error))
 }
 
-/// Runs the cases that have no outcome yet. A case that fails does not stop the others: its seed and reason are given.
+fn of_seed(seed: u64, error: &conceal::Error) -> Error {
+    Error::Usage(format!("seed {seed}: {error}"))
+}
+
+/// Writes the files of cases with their truth opened, `ARM/SEED/` each, and diagnoses nothing.
+///
+/// # Errors
+/// A drive that trips, a file that cannot be written.
+pub fn write_only(seeds: &[u64], folder: &Path) -> Result<(), Error> {
+    let progress = Progress::new("cases", seeds.len() as u64);
+    for &seed in seeds {
+        let case = Case::draw(seed);
+        let folder = folder.join(case.blueprint.arm.name()).join(seed.to_string());
+        output::folder(&folder)?;
+        case.write(&folder).map_err(|error| of_seed(seed, &error))?;
+        output::write_text(&folder.join("truth.json"), &sealed(&case)?.0)?;
+        progress.advance(1);
+    }
+    Ok(())
+}
+
+/// Runs the cases that have no outcome yet. A case that fails does not stop the others.
 ///
 /// # Errors
 /// A folder that cannot be made, threads that cannot be started.
-pub fn run(seeds: &[u64], settings: &Settings) -> Result<Vec<Result<Outcome, String>>, Error> {
+pub fn run(seeds: &[u64], settings: &Settings) -> Result<Ran, Error> {
     output::folder(&settings.out.join("outcomes"))?;
+    output::folder(&settings.out.join("failures"))?;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(settings.workers).build();
     let pool = pool.map_err(|error| Error::Usage(format!("--workers: {error}")))?;
     let progress = Progress::new("cases", seeds.len() as u64);
     let one = |&seed: &u64| {
-        let outcome = resumed(seed, settings).map_or_else(|| case(seed, settings), Ok);
+        let outcome = resumed(seed, settings).map_or_else(|| recorded(seed, settings), Ok);
         progress.advance(1);
-        outcome.map_err(|error| format!("seed {seed}: {error}"))
+        outcome.map_err(|error| (seed, error.to_string()))
     };
-    Ok(pool.install(|| seeds.par_iter().map(one).collect()))
+    // One seed at a time to each worker: they take very unequal times.
+    let results: Vec<_> = pool.install(|| seeds.par_iter().with_max_len(1).map(one).collect());
+    let mut ran = Ran::default();
+    for result in results {
+        match result {
+            Ok(outcome) => ran.outcomes.push(outcome),
+            Err(failure) => ran.failures.push(failure),
+        }
+    }
+    Ok(ran)
 }
 
 /// The outcome of an earlier run, if it is of the same truth.
 fn resumed(seed: u64, settings: &Settings) -> Option<Outcome> {
-    let outcome = read(&outcome_file(seed, settings)).ok()?;
+    let outcome: Outcome = read_json(&outcome_file(seed, settings)).ok()?;
     (outcome.hash == sealed(&Case::draw(seed)).ok()?.1).then_some(outcome)
 }
 
@@ -81,34 +118,52 @@ fn outcome_file(seed: u64, settings: &Settings) -> PathBuf {
     settings.out.join("outcomes").join(format!("{seed}.json"))
 }
 
-/// Reads one outcome.
-///
-/// # Errors
-/// A file that is none.
-pub fn read(file: &Path) -> Result<Outcome, Error> {
-    let unreadable = |message: String| Error::input(file, None, "", message);
-    let text = std::fs::read_to_string(file).map_err(|error| unreadable(error.to_string()))?;
-    serde_json::from_str(&text).map_err(|error| unreadable(error.to_string()))
+/// Runs a case and writes what came of it, so that a merge and a later run find it.
+fn recorded(seed: u64, settings: &Settings) -> Result<Outcome, Error> {
+    let failure = settings.out.join("failures").join(format!("{seed}.txt"));
+    match case(seed, settings) {
+        Ok(outcome) => {
+            let text = serde_json::to_string_pretty(&outcome).map_err(|error| Error::Usage(error.to_string()))?;
+            output::write_text(&outcome_file(seed, settings), &text)?;
+            // That of an earlier run, if there is one.
+            let _ = std::fs::remove_file(&failure);
+            Ok(outcome)
+        }
+        Err(error) => {
+            output::write_text(&failure, &error.to_string())?;
+            Err(error)
+        }
+    }
 }
 
 fn case(seed: u64, settings: &Settings) -> Result<Outcome, Error> {
     let case = Case::draw(seed);
     let (_, hash) = sealed(&case)?;
-    let (blueprint, truth) = (case.blueprint.clone(), case.truth.clone());
     let folder = settings.out.join("cases").join(seed.to_string());
-    let files = case.write(&folder)?;
-    let without = if blueprint.arm == super::Arm::Removed { blueprint.effects.join(",") } else { String::new() };
+    output::folder(&folder)?;
+    case.write(&folder).map_err(|error| of_seed(seed, &error))?;
+    let effects = &case.blueprint.effects;
+    let removed = if case.truth.arm == Arm::Removed { effects.clone() } else { Vec::new() };
+    let question = Question {
+        machine: MACHINE,
+        recordings: FITTED.to_vec(),
+        holdout: vec![HELD_OUT],
+        without: removed,
+        ..Question::default()
+    };
     let started = Instant::now();
-    let answer = diagnose(&files, &folder.join("answer.json"), &["--without", &without], settings)?;
-    let seconds = started.elapsed().as_secs_f64();
-    let mut outcome = Outcome::of(blueprint.arm, blueprint.size, truth, hash, &answer, seconds);
-    if settings.oracle && blueprint.arm.nameable() {
-        let only = blueprint.effects.join(",");
-        let oracle = diagnose(&files, &folder.join("oracle.json"), &["--only", &only], settings)?;
-        outcome.heldout_over_oracle = Some(answer.fit.heldout_after_rms / oracle.fit.heldout_after_rms);
+    let answer = settings.tool.ask(&folder, "answer", &question)?;
+    let mut outcome = Outcome::of(case.truth.clone(), hash, &answer, started.elapsed().as_secs_f64());
+    if case.truth.arm == Arm::Poor {
+        outcome.after = after(&case, &folder, &question, &answer, settings)?;
+    } else if settings.oracle && nameable(&case.truth) {
+        let oracle = settings.tool.ask(&folder, "oracle", &Question { only: effects.clone(), ..question })?;
+        let errors = answer.fit.heldout_after_rms.zip(oracle.fit.heldout_after_rms);
+        outcome.heldout_over_oracle = errors.map(|(found, best)| found / best).filter(|ratio| ratio.is_finite());
     }
-    let text = serde_json::to_string_pretty(&outcome).map_err(|error| Error::Usage(error.to_string()))?;
-    output::write_text(&outcome_file(seed, settings), &text)?;
+    if settings.rivals {
+        outcome.rivals = rivals::answers(&folder, MACHINE, &FITTED, HELD_OUT, &case.truth)?;
+    }
     if !settings.keep {
         // Recordings come back from the seed; failing to remove them loses nothing.
         let _ = std::fs::remove_dir_all(&folder);
@@ -116,43 +171,54 @@ fn case(seed: u64, settings: &Settings) -> Result<Outcome, Error> {
     Ok(outcome)
 }
 
-/// Runs `servo-lab diagnose` on the files, and on nothing else.
-fn diagnose(files: &Files, json: &Path, names: &[&str; 2], settings: &Settings) -> Result<Answer, Error> {
-    let program =
-        std::env::current_exe().map_err(|error| Error::Usage(format!("the tool cannot find itself: {error}")))?;
-    let mut command = Command::new(program);
-    command.arg("diagnose").arg("--machine").arg(&files.machine).arg("--holdout").arg(&files.holdout);
-    command.arg("--json").arg(json).arg("--jobs").arg(settings.jobs.to_string());
-    if !names[1].is_empty() {
-        command.args(names);
-    }
-    let started = |error: std::io::Error| Error::Usage(format!("diagnose cannot be started: {error}"));
-    let errors = json.with_extension("stderr");
-    command.args(&files.recordings).stdin(Stdio::null()).stdout(Stdio::null());
-    let child = command.stderr(File::create(&errors).map_err(started)?).spawn().map_err(started)?;
-    let status = finish(child, settings.limit)?;
-    if !status.success() {
-        let said = std::fs::read_to_string(&errors).unwrap_or_default();
-        return Err(Error::Usage(format!("diagnose ended with {status}: {}", said.trim())));
-    }
-    let unreadable = |message: String| Error::input(json, None, "", message);
-    let text = std::fs::read_to_string(json).map_err(|error| unreadable(error.to_string()))?;
-    serde_json::from_str(&text).map_err(|error| unreadable(error.to_string()))
+/// Plays the experiment the answer proposes on the same machine, and asks again with its recordings added.
+fn after(
+    case: &Case,
+    folder: &Path,
+    before: &Question<'_>,
+    answer: &Answer,
+    settings: &Settings,
+) -> Result<Option<After>, Error> {
+    let Some(file) = answer.experiment.as_ref().and_then(|experiment| experiment.reference_csv.as_ref()) else {
+        return Ok(None);
+    };
+    let file = folder.join(file);
+    let unreadable = |error: std::io::Error| Error::input(&file, None, "", error.to_string());
+    let reference = std::fs::read_to_string(&file).map_err(unreadable)?;
+    case.write_experiment(&reference, folder).map_err(|error| of_seed(case.seed, &error))?;
+    let mut question = before.clone();
+    question.recordings.push(EXPERIMENT[0]);
+    question.holdout.push(EXPERIMENT[1]);
+    Ok(Some(After::of(&case.truth, &settings.tool.ask(folder, "after", &question)?)))
 }
 
-/// Waits for the process, and ends it at the limit.
-fn finish(mut child: Child, limit: Duration) -> Result<ExitStatus, Error> {
-    let begun = Instant::now();
-    let failed = |error: std::io::Error| Error::Usage(format!("diagnose cannot be waited for: {error}"));
-    loop {
-        if let Some(status) = child.try_wait().map_err(failed)? {
-            return Ok(status);
+/// The outcomes and failures that lie in these folders, by seed; an outcome counts over a failure.
+///
+/// # Errors
+/// A folder or a file that cannot be read.
+pub fn merged(folders: &[PathBuf]) -> Result<Ran, Error> {
+    let mut ran = Ran::default();
+    for folder in folders {
+        for file in files(&folder.join("outcomes"), "json")? {
+            ran.outcomes.push(read_json(&file)?);
         }
-        if begun.elapsed() >= limit {
-            child.kill().map_err(failed)?;
-            child.wait().map_err(failed)?;
-            return Err(Error::Usage(format!("diagnose was ended after {} s", limit.as_secs())));
+        for file in files(&folder.join("failures"), "txt")? {
+            let seed = file.file_stem().and_then(|name| name.to_str()).and_then(|name| name.parse().ok());
+            let reason = std::fs::read_to_string(&file).unwrap_or_default();
+            ran.failures.extend(seed.map(|seed| (seed, reason)));
         }
-        std::thread::sleep(POLL);
     }
+    ran.outcomes.sort_by_key(|outcome| outcome.truth.seed);
+    ran.outcomes.dedup_by_key(|outcome| outcome.truth.seed);
+    ran.failures.retain(|(seed, _)| ran.outcomes.binary_search_by_key(seed, |outcome| outcome.truth.seed).is_err());
+    ran.failures.sort();
+    ran.failures.dedup_by_key(|(seed, _)| *seed);
+    Ok(ran)
+}
+
+fn files(folder: &Path, extension: &str) -> Result<Vec<PathBuf>, Error> {
+    let unreadable = |error: std::io::Error| Error::input(folder, None, "", error.to_string());
+    let entries: Result<Vec<_>, _> = std::fs::read_dir(folder).map_err(unreadable)?.collect();
+    let paths = entries.map_err(unreadable)?.into_iter().map(|entry| entry.path());
+    Ok(paths.filter(|file| file.extension().is_some_and(|found| found == extension)).collect())
 }

@@ -1,0 +1,100 @@
+//! The score as the text that is kept in the repository.
+
+use std::path::Path;
+use std::process::Command;
+
+use serde::{Deserialize, Serialize};
+
+use super::real::{self, RealOutcome};
+use super::run::Ran;
+use super::text::{self, markdown};
+use super::{Outcome, Score};
+use crate::Error;
+
+/// What made a score.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Origin {
+    /// The command as it was typed.
+    pub command: String,
+    /// Commit of the sources that lie here, and whether they differ from it.
+    pub commit: String,
+    /// SHA-256 of the program that diagnosed.
+    pub program: String,
+    /// Lowest and highest seed.
+    pub seeds: [u64; 2],
+}
+
+impl Origin {
+    /// Of this run.
+    ///
+    /// # Errors
+    /// A program that cannot be read.
+    pub fn now(program: &Path, ran: &Ran) -> Result<Self, Error> {
+        let bytes = std::fs::read(program).map_err(|error| Error::input(program, None, "", error.to_string()))?;
+        let git = |arguments: &[&str]| {
+            let output = Command::new("git").args(arguments).output().ok().filter(|output| output.status.success());
+            output.map(|output| String::from_utf8_lossy(&output.stdout).trim().to_owned())
+        };
+        let commit = git(&["rev-parse", "HEAD"]).unwrap_or_else(|| "unknown: not run inside the repository".to_owned());
+        let changed = git(&["status", "--porcelain", "--untracked-files=no"]).is_some_and(|text| !text.is_empty());
+        let seeds =
+            || ran.outcomes.iter().map(|outcome| outcome.truth.seed).chain(ran.failures.iter().map(|(seed, _)| *seed));
+        let words: Vec<String> = std::env::args().skip(1).collect();
+        Ok(Self {
+            command: format!("servo-lab {}", words.join(" ")),
+            commit: if changed { format!("{commit}, with changes") } else { commit },
+            program: conceal::seal::hash(&bytes),
+            seeds: [seeds().min().unwrap_or(0), seeds().max().unwrap_or(0)],
+        })
+    }
+}
+
+/// Everything a run found, as JSON has it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Results {
+    /// What made it.
+    pub origin: Origin,
+    /// The counts.
+    pub score: Score,
+    /// Case by case.
+    pub outcomes: Vec<Outcome>,
+}
+
+/// The results as Markdown.
+pub fn document(results: &Results) -> String {
+    let Results { origin, score, outcomes } = results;
+    let [first, last] = origin.seeds;
+    let mut text = format!(
+        "# Proof on concealed effects\n\nMade by `{}`; seeds {first} to {last}, {} cases, {} without an answer. Sources at \
+         {}; SHA-256 of the program that diagnosed: {}.\n\nWritten by the command; thresholds were tuned on seeds below \
+         10,000.\n\n",
+        origin.command,
+        outcomes.len(),
+        score.failures.len(),
+        origin.commit,
+        origin.program
+    );
+    for (title, table) in [
+        ("Pass line", text::pass(score)),
+        ("Arms", text::arms(score)),
+        ("Detectable sizes", text::power(score)),
+        ("Before and after the proposed experiment", text::experiment(score)),
+        ("Rivals on the same files", text::rivals(score)),
+        ("Confusions", text::confusion(score)),
+        ("Intervals", text::coverage(score)),
+        ("Misses, each again with `servo-lab prove --case SEED`", text::misses(score, outcomes)),
+    ] {
+        text += &format!("## {title}\n\n{}\n", markdown(&table));
+    }
+    text += "## Figures\n\n";
+    text += &text::figures(score).iter().map(|line| format!("- {line}\n")).collect::<String>();
+    text
+}
+
+/// The real machines as Markdown, with the reasons where there is no answer.
+pub fn real_document(outcomes: &[RealOutcome], without: &[String]) -> String {
+    let words: Vec<String> = std::env::args().skip(1).collect();
+    let table = markdown(&real::table(outcomes));
+    let without: String = without.iter().map(|line| format!("\n{line}\n")).collect();
+    format!("# Real machines with an effect concealed\n\nMade by `servo-lab {}`.\n\n{table}{without}", words.join(" "))
+}
