@@ -9,6 +9,7 @@ use rigless::emulator::{AccessKind, Driver, Host, Settled, Stop, Watch};
 use rigless::session::Session;
 use rigless::time::VirtualNanos;
 
+use crate::flash::Shared;
 use crate::host::Host as LinkHost;
 use crate::machine::{Port, ServoBoard};
 use crate::rotor::Rotor;
@@ -59,6 +60,8 @@ pub struct World {
     pub rotor: Rotor,
     /// The user at the far end of the command link.
     pub link: LinkHost,
+    /// The sectors of flash that hold the parameters; they outlive the run.
+    pub flash: Shared,
     /// The reader of the log; `None` when no probe is there.
     pub probe: Option<Probe>,
     /// Every write to the DAC's outputs, in order.
@@ -103,6 +106,7 @@ impl World {
         Self {
             rotor,
             link: LinkHost::default(),
+            flash: Shared::default(),
             probe: None,
             commands: Vec::new(),
             samples: Vec::new(),
