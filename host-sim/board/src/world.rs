@@ -68,6 +68,8 @@ pub struct World {
     pub commands: Vec<CommandSeen>,
     /// Instants of the falling edges of SAMPLE.
     pub samples: Vec<VirtualNanos>,
+    /// Angle of the rotor at each of them, rad.
+    pub angles_rad: Vec<f64>,
     /// Instructions to watch; give them before the run.
     pub watch: Vec<u64>,
     /// Watched instructions that were reached, with the count of instructions before them.
@@ -110,6 +112,7 @@ impl World {
             probe: None,
             commands: Vec::new(),
             samples: Vec::new(),
+            angles_rad: Vec::new(),
             watch: Vec::new(),
             hits: Vec::new(),
             law_instructions: Vec::new(),
@@ -165,6 +168,7 @@ impl World {
         if before.sample && !pins.sample {
             self.move_rotor(board, now);
             self.samples.push(now);
+            self.angles_rad.push(self.rotor.angle_rad());
         }
         if let Some(resolver) = board.resolver() {
             resolver.advance_to(now);

@@ -195,11 +195,45 @@ fn power_may_fail_at_any_moment_of_a_save() {
         // Every state by the storage code on the host; of the image's own boots, half a second each, one in BOOTED.
         let news = arrays.iter().filter(|bytes| loaded_on_host(bytes) == Ok(new)).count();
         let olds = arrays.iter().filter(|bytes| loaded_on_host(bytes) == Ok(old)).count();
-        { let mut now = bytes.clone(); let mut r2 = StdRng::seed_from_u64(5);
-          for (k, c) in saved.changes.iter().enumerate() {
-            for (w, st) in [("half", { let mut h = now.clone(); match *c { Change::Program{at,byte} => h[at] &= byte | r2.random::<u8>(), Change::Erase{from} => h[from..from+SECTOR_BYTES].iter_mut().for_each(|x| *x |= r2.random::<u8>()) }; h }), ("full", { let mut h = now.clone(); c.apply(&mut h); h })] {
-              let r = loaded_on_host(&st); if r != Ok(old) && r != Ok(new) { println!("{k} {w} {c:?} {r:?}"); } }
-            c.apply(&mut now); } println!("{:?}", saved.changes.iter().enumerate().filter(|(_, c)| !matches!(c, Change::Program{at, ..} if at % 4 != 0)).map(|(k, c)| (k, *c)).collect::<Vec<_>>()); }
+        {
+            let mut now = bytes.clone();
+            let mut r2 = StdRng::seed_from_u64(5);
+            for (k, c) in saved.changes.iter().enumerate() {
+                for (w, st) in [
+                    ("half", {
+                        let mut h = now.clone();
+                        match *c {
+                            Change::Program { at, byte } => h[at] &= byte | r2.random::<u8>(),
+                            Change::Erase { from } => {
+                                h[from..from + SECTOR_BYTES].iter_mut().for_each(|x| *x |= r2.random::<u8>())
+                            }
+                        };
+                        h
+                    }),
+                    ("full", {
+                        let mut h = now.clone();
+                        c.apply(&mut h);
+                        h
+                    }),
+                ] {
+                    let r = loaded_on_host(&st);
+                    if r != Ok(old) && r != Ok(new) {
+                        println!("{k} {w} {c:?} {r:?}");
+                    }
+                }
+                c.apply(&mut now);
+            }
+            println!(
+                "{:?}",
+                saved
+                    .changes
+                    .iter()
+                    .enumerate()
+                    .filter(|(_, c)| !matches!(c, Change::Program{at, ..} if at % 4 != 0))
+                    .map(|(k, c)| (k, *c))
+                    .collect::<Vec<_>>()
+            );
+        }
         assert_eq!(olds + news, arrays.len(), "neither the old nor the new set");
         let booted: Vec<&Vec<u8>> = arrays.iter().step_by(BOOTED).collect();
         boot_all(&firmware, &booted);
