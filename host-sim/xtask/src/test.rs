@@ -26,6 +26,7 @@ pub fn all() -> Result<(), String> {
     })?;
     steps.cargo("tests", &["test", "--workspace"])?;
     steps.cargo("tests, release", &["test", "--workspace", "--release"])?;
+    steps.step("firmware clippy", firmware::lint)?;
     steps.step("firmware", || firmware::build().map(|image| image.print()))?;
     let on_board = |arguments: &[&str]| cargo(&board, arguments);
     steps.run("board fmt", on_board(&["fmt", "--check"]))?;
