@@ -298,7 +298,9 @@ fn two_hundred_and_forty_eight_cases() {
             let at_ns = (STEP_MS * 1e6) as u64 + rng.random_range(span_ns);
             let run = firmware.run(prepare(&firmware, cause, at_ns, bit, &mut rng, &variables)).unwrap();
             if let Err(why) = verdict(&run, cause, at_ns) {
-                failed.push(format!("{cause:?} {bit}, seed {seed:#x}, at {at_ns} ns: {why}"));
+                let failure = format!("{cause:?} {bit}, seed {seed:#x}, at {at_ns} ns: {why}");
+                println!("{failure}");
+                failed.push(failure);
             }
         }
         failed
