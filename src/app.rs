@@ -68,6 +68,9 @@ pub enum InitError<R, D> {
     Dac(dac::Error<D>),
 }
 
+/// The DAC is asked for its state every so many ticks, 64 ms: heat and a short circuit last longer.
+const DAC_STATUS_TICKS: u32 = 128;
+
 /// The servo: wiring, parameters, state of the law.
 #[derive(Debug)]
 pub struct Servo<W> {
@@ -76,6 +79,8 @@ pub struct Servo<W> {
     state: State,
     seq: u32,
     hardware_faults: Faults,
+    /// The DAC's next frame is its answer.
+    status_asked: bool,
 }
 
 impl<RS, RP, DS, DP, I, O, M, D> Servo<Wiring<RS, RP, DS, DP, I, O, M, D>>
@@ -92,7 +97,7 @@ where
     /// Takes wiring and parameters; touches nothing before [`Self::init`].
     pub fn new(wiring: Wiring<RS, RP, DS, DP, I, O, M, D>, params: Params) -> Self {
         let hardware_faults = Faults::RESOLVER_BUS | Faults::OUTPUT_BUS;
-        Self { wiring, params, state: State::default(), seq: 0, hardware_faults }
+        Self { wiring, params, state: State::default(), seq: 0, hardware_faults, status_asked: false }
     }
 
     /// Brings both chips up with their outputs at 0, in thread mode and with ticks stopped; takes about 45 ms. Called at
@@ -102,6 +107,7 @@ where
     /// The first chip that does not come up. The drive can tick on: the fault is reported to the law at every tick.
     pub fn init(&mut self) -> Result<(), InitError<RS::Error, DS::Error>> {
         self.hardware_faults = Faults::RESOLVER_BUS | Faults::OUTPUT_BUS;
+        self.status_asked = false;
         let wiring = &mut self.wiring;
         wiring.dac.init(&mut wiring.delay).map_err(InitError::Dac)?;
         self.hardware_faults.remove(Faults::OUTPUT_BUS);
@@ -117,7 +123,7 @@ where
         let outputs = step(&self.params, &mut self.state, &inputs);
         if self.write(&outputs).is_err() {
             self.hardware_faults |= Faults::OUTPUT_BUS;
-            self.hv_off();
+            self.emergency_off();
         }
         let frame = Frame { seq: self.seq, lost: orders.lost, inputs, outputs, timing: Timing::default() };
         self.seq = self.seq.wrapping_add(1);
@@ -183,21 +189,33 @@ where
     }
 
     fn write(&mut self, outputs: &Outputs) -> Result<(), ()> {
-        let wiring = &mut self.wiring;
         let torque = TorqueCode::from_torque_nm(outputs.torque_nm);
         let field = FieldCode::from_field_kv_mm(outputs.field_kv_mm);
-        let hv = wiring.hv_enable.set_state(outputs.hv_enable.into()).map_err(|_| ());
+        let hv = self.wiring.hv_enable.set_state(outputs.hv_enable.into()).map_err(|_| ());
         // A DAC that failed stays cleared by its pin until `init`; writing to it again would not help.
-        let commands = if self.hardware_faults.contains(Faults::OUTPUT_BUS) {
-            Ok(())
-        } else {
-            wiring.dac.write(torque, field).map_err(|_| ())
-        };
+        let failed_before = self.hardware_faults.contains(Faults::OUTPUT_BUS);
+        let commands = if failed_before { Ok(()) } else { self.command(torque, field) };
         let faulted = matches!(outputs.supervisor, Supervisor::Fault { .. });
         // Lamps: a failed one is no reason to stop.
-        let _ = wiring.fault_lamp.set_state(faulted.into());
-        let _ = wiring.brake_feedback.set_state((outputs.mode == Mode::Brake).into());
+        let _ = self.wiring.fault_lamp.set_state(faulted.into());
+        let _ = self.wiring.brake_feedback.set_state((outputs.mode == Mode::Brake).into());
         hv.and(commands)
+    }
+
+    /// Writes both commands. In one tick of many the DAC is asked for its state behind them; it answers while the next
+    /// tick's are written, so that no tick has to wait for two more frames.
+    fn command(&mut self, torque: TorqueCode, field: FieldCode) -> Result<(), ()> {
+        let dac = &mut self.wiring.dac;
+        if core::mem::take(&mut self.status_asked) {
+            dac.write_and_take_status(torque, field).map_err(|_| ())?;
+        } else {
+            dac.write(torque, field).map_err(|_| ())?;
+        }
+        if self.seq.is_multiple_of(DAC_STATUS_TICKS) {
+            dac.ask_status().map_err(|_| ())?;
+            self.status_asked = true;
+        }
+        Ok(())
     }
 
     fn hv_off(&mut self) {

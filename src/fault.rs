@@ -28,7 +28,7 @@ bitflags! {
         const FIELD_OVER = 1 << 9;
         /// A value of the law was not a number.
         const NOT_FINITE = 1 << 10;
-        /// A command could not be written to the DAC.
+        /// A command could not be written to the DAC, or one of its output stages is overloaded or too hot.
         const OUTPUT_BUS = 1 << 11;
         /// The last reset came from the watchdog or from a panic.
         const ABNORMAL_RESET = 1 << 12;
@@ -77,7 +77,7 @@ impl Faults {
             Self::PARAMETERS => "parameters damaged or out of range: write a full set, then clear",
             Self::FIELD_OVER => "field over the trip level: check the high-voltage amplifier, then clear",
             Self::NOT_FINITE => "a value was not a number: save the log, reset",
-            Self::OUTPUT_BUS => "DAC could not be written: check SPI2, then clear",
+            Self::OUTPUT_BUS => "command DAC not written, overloaded or too hot: check SPI2 and its loads, then clear",
             Self::ABNORMAL_RESET => "the watchdog or a panic reset the drive: save the log, then clear",
             _ => "unknown fault bit: the log is newer than this tool",
         })

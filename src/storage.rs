@@ -1,27 +1,38 @@
 //! Parameters in flash, safe against power failing at any moment: after it the set is the old one or the new one.
 //!
-//! One item holds the whole set, so that no mixture of two sets can be read. `sequential-storage` writes it behind the
-//! last one and marks it valid by a check; a page is erased only when the newest item stands in the other.
+//! Two sectors are logs of records; a record holds a whole set, its number and a check, so that no mixture of two sets
+//! can be read, and the valid one with the highest number is the stored set. A new one is written behind it, or, where
+//! its sector is full, at the start of the other sector, which is erased before and holds older sets only. So nothing is
+//! ever erased or written where the stored set stands, whatever a torn write or erase leaves behind.
+//!
+//! Own code, as the crate `sequential-storage` (8.0) does not promise as much with two sectors: an erase that is cut
+//! short can leave the markers of a full sector over spoilt items, and its repair then erases the sector with the newest
+//! item to repeat a migration.
+//!
+//! | bytes of a record | content |
+//! |---|---|
+//! | 0..4 | number, counted up with each save |
+//! | 4..8 | CRC-32 of all other bytes |
+//! | 8..10 | layout, [`VERSION`] |
+//! | 10..12 | count of values |
+//! | 12.. | the values in the order of [`TABLE`], single precision |
 
 use embedded_storage_async::nor_flash::NorFlash;
-use sequential_storage::cache::{Cache, Uncached};
-use sequential_storage::map::{MapConfig, MapStorage};
 
 use crate::parameters::TABLE;
 use crate::{Config, Params};
 
-/// Layout of the stored set; another one is refused.
-const VERSION: u16 = 1;
-/// The one key.
-const KEY: u8 = 1;
-/// Version, then one single-precision value a parameter.
-const ITEM_BYTES: usize = 2 + 4 * MAX_PARAMETERS;
-/// More than [`TABLE`] has, so that it can grow.
-const MAX_PARAMETERS: usize = 40;
-/// The item, its key, rounded up to the flash's word.
-const BUFFER_BYTES: usize = (ITEM_BYTES + 1).next_multiple_of(32);
+/// Layout of a record; another one is refused.
+const VERSION: u16 = 2;
+/// Room of a record; [`TABLE`] can grow to 61 values.
+const RECORD_BYTES: usize = 256;
+/// Before the values.
+const HEAD_BYTES: usize = 12;
+const ERASED: u8 = 0xFF;
 
-type NoCache = Cache<Uncached, Uncached, Uncached, u8>;
+const CRC: crc::Crc<u32, crc::NoTable> = crc::Crc::<u32, crc::NoTable>::new(&crc::CRC_32_ISO_HDLC);
+
+const _: () = assert!(HEAD_BYTES + 4 * TABLE.len() <= RECORD_BYTES);
 
 /// Why parameters could not be saved or loaded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -34,26 +45,30 @@ pub enum StorageError {
     Unusable,
 }
 
-/// Writes the set and reads it back.
+type Record = [u8; RECORD_BYTES];
+
+/// The stored set: its number and where it stands.
+#[derive(Debug, Clone, Copy)]
+struct Newest {
+    number: u32,
+    at: u32,
+}
+
+/// Writes the set and reads it back. `range` is two sectors.
 ///
 /// # Errors
 ///
 /// [`StorageError::Flash`]; the set that was stored before is then still the one that is loaded.
-pub async fn save<F: NorFlash>(flash: F, range: core::ops::Range<u32>, config: &Config) -> Result<(), StorageError> {
-    let mut item = [0; ITEM_BYTES];
-    let (version, values) = item.split_at_mut(2);
-    version.copy_from_slice(&VERSION.to_le_bytes());
-    for (parameter, place) in TABLE.iter().zip(values.chunks_exact_mut(4)) {
-        place.copy_from_slice(&(parameter.get)(config).to_le_bytes());
-    }
-    let item = item.get(..2 + 4 * TABLE.len()).ok_or(StorageError::Unusable)?;
-    let mut storage = open(flash, range)?;
-    let mut buffer = [0; BUFFER_BYTES];
-    storage.store_item(&mut buffer, &KEY, &item).await.map_err(|_| StorageError::Flash)?;
-    match storage.fetch_item::<&[u8]>(&mut buffer, &KEY).await {
-        Ok(Some(stored)) if stored == item => Ok(()),
-        _ => Err(StorageError::Flash),
-    }
+pub async fn save<F: NorFlash>(
+    mut flash: F,
+    range: core::ops::Range<u32>,
+    config: &Config,
+) -> Result<(), StorageError> {
+    let newest = newest(&mut flash, &range).await?;
+    let at = free_place(&mut flash, &range, newest).await?;
+    let record = encode(newest.map_or(0, |newest| newest.number.wrapping_add(1)), config);
+    flash.write(at, &record).await.map_err(|_| StorageError::Flash)?;
+    if read(&mut flash, at).await? == record { Ok(()) } else { Err(StorageError::Flash) }
 }
 
 /// Reads the newest whole set and checks every value.
@@ -61,26 +76,94 @@ pub async fn save<F: NorFlash>(flash: F, range: core::ops::Range<u32>, config: &
 /// # Errors
 ///
 /// See [`StorageError`].
-pub async fn load<F: NorFlash>(flash: F, range: core::ops::Range<u32>) -> Result<Config, StorageError> {
-    let mut storage = open(flash, range)?;
-    let mut buffer = [0; BUFFER_BYTES];
-    let item = storage.fetch_item::<&[u8]>(&mut buffer, &KEY).await.map_err(|_| StorageError::Flash)?;
-    decode(item.ok_or(StorageError::Empty)?)
+pub async fn load<F: NorFlash>(mut flash: F, range: core::ops::Range<u32>) -> Result<Config, StorageError> {
+    let newest = newest(&mut flash, &range).await?.ok_or(StorageError::Empty)?;
+    decode(&read(&mut flash, newest.at).await?)
 }
 
-fn open<F: NorFlash>(flash: F, range: core::ops::Range<u32>) -> Result<MapStorage<u8, F, NoCache>, StorageError> {
-    let config = MapConfig::try_new(range).map_err(|_| StorageError::Flash)?;
-    Ok(MapStorage::new(flash, config, Cache::new_uncached()))
+/// The place for the next record, erased.
+async fn free_place<F: NorFlash>(
+    flash: &mut F,
+    range: &core::ops::Range<u32>,
+    newest: Option<Newest>,
+) -> Result<u32, StorageError> {
+    let sector_bytes = F::ERASE_SIZE as u32;
+    let middle = range.start + sector_bytes;
+    let mut other = range.start;
+    if let Some(newest) = newest {
+        let end = if newest.at < middle { middle } else { range.end };
+        let mut at = newest.at + RECORD_BYTES as u32;
+        while at < end {
+            // A record that a power failure has torn is passed over.
+            if read(flash, at).await?.iter().all(|byte| *byte == ERASED) {
+                return Ok(at);
+            }
+            at += RECORD_BYTES as u32;
+        }
+        other = if newest.at < middle { middle } else { range.start };
+    }
+    // Erased even if it looks erased: after an erase that was cut short it may only just look so.
+    flash.erase(other, other + sector_bytes).await.map_err(|_| StorageError::Flash)?;
+    Ok(other)
 }
 
-fn decode(item: &[u8]) -> Result<Config, StorageError> {
-    let (version, values) = item.split_first_chunk::<2>().ok_or(StorageError::Unusable)?;
+async fn newest<F: NorFlash>(flash: &mut F, range: &core::ops::Range<u32>) -> Result<Option<Newest>, StorageError> {
+    let mut newest: Option<Newest> = None;
+    for at in range.clone().step_by(RECORD_BYTES) {
+        let record = read(flash, at).await?;
+        if is_whole(&record) {
+            let number = word(&record, 0);
+            if newest.is_none_or(|newest| number > newest.number) {
+                newest = Some(Newest { number, at });
+            }
+        }
+    }
+    Ok(newest)
+}
+
+async fn read<F: NorFlash>(flash: &mut F, at: u32) -> Result<Record, StorageError> {
+    let mut record = [0; RECORD_BYTES];
+    flash.read(at, &mut record).await.map_err(|_| StorageError::Flash)?;
+    Ok(record)
+}
+
+fn encode(number: u32, config: &Config) -> Record {
+    let mut record = [ERASED; RECORD_BYTES];
+    record[..4].copy_from_slice(&number.to_le_bytes());
+    record[8..10].copy_from_slice(&VERSION.to_le_bytes());
+    record[10..12].copy_from_slice(&(TABLE.len() as u16).to_le_bytes());
+    for (parameter, place) in TABLE.iter().zip(record[HEAD_BYTES..].chunks_exact_mut(4)) {
+        place.copy_from_slice(&(parameter.get)(config).to_le_bytes());
+    }
+    let check = check(&record);
+    record[4..8].copy_from_slice(&check.to_le_bytes());
+    record
+}
+
+fn check(record: &Record) -> u32 {
+    let mut digest = CRC.digest();
+    digest.update(&record[..4]);
+    digest.update(&record[8..]);
+    digest.finalize()
+}
+
+/// An erased record is none: the check of all ones is not all ones.
+fn is_whole(record: &Record) -> bool {
+    word(record, 4) == check(record)
+}
+
+fn word(record: &Record, at: usize) -> u32 {
+    u32::from_le_bytes([record[at], record[at + 1], record[at + 2], record[at + 3]])
+}
+
+fn decode(record: &Record) -> Result<Config, StorageError> {
+    let count = usize::from(u16::from_le_bytes([record[10], record[11]]));
     // A set from before a parameter was added keeps that one's default.
-    if u16::from_le_bytes(*version) != VERSION || values.len() > 4 * TABLE.len() {
+    if u16::from_le_bytes([record[8], record[9]]) != VERSION || count > TABLE.len() {
         return Err(StorageError::Unusable);
     }
     let mut config = Config::default();
-    for (parameter, value) in TABLE.iter().zip(values.as_chunks::<4>().0) {
+    for (parameter, value) in TABLE.iter().take(count).zip(record[HEAD_BYTES..].as_chunks::<4>().0) {
         (parameter.set)(&mut config, f32::from_le_bytes(*value));
     }
     Params::new(&config).map(|_| config).map_err(|_| StorageError::Unusable)
@@ -178,11 +261,19 @@ mod tests {
 
     #[test]
     fn another_version_or_a_value_out_of_range_is_refused() {
-        let mut item = vec![0; 2 + 4 * TABLE.len()];
-        assert_eq!(decode(&item), Err(StorageError::Unusable));
-        item[..2].copy_from_slice(&VERSION.to_le_bytes());
-        assert_eq!(decode(&item), Err(StorageError::Unusable), "a period of 0 is out of range");
-        assert_eq!(decode(&item[..2]), Ok(Config::default()));
+        let record = encode(7, &set(300.0));
+        assert_eq!(decode(&record), Ok(set(300.0)));
+        let mut other = record;
+        other[8] = 1;
+        assert_eq!(decode(&other), Err(StorageError::Unusable));
+        let mut out_of_range = record;
+        out_of_range[HEAD_BYTES..HEAD_BYTES + 4].copy_from_slice(&0_f32.to_le_bytes());
+        assert_eq!(decode(&out_of_range), Err(StorageError::Unusable), "a period of 0");
+        // A set from before any parameter was added.
+        let mut older = record;
+        older[10..12].copy_from_slice(&0_u16.to_le_bytes());
+        assert_eq!(decode(&older), Ok(Config::default()));
+        assert!(!is_whole(&[ERASED; RECORD_BYTES]) && !is_whole(&[0; RECORD_BYTES]));
     }
 
     #[test]

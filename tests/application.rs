@@ -189,6 +189,24 @@ fn a_dac_that_cannot_be_written_is_cleared_by_its_pin_in_the_same_tick() {
 }
 
 #[test]
+fn a_dac_whose_outputs_are_overloaded_or_hot_is_found_within_64_ms_and_clears_when_it_is_well() {
+    let faults: [fn(&mut plant::chips::Dac, bool); 2] =
+        [|chip, bad| chip.overload([false, bad]), |chip, bad| chip.overheat(bad)];
+    for fault in faults {
+        let mut bench = running();
+        run(&mut bench, &to(STEP_RAD), 300);
+        bench.dac.with(|chip| fault(chip, true));
+        let frames = run(&mut bench, &to(STEP_RAD), 130);
+        assert_safe(&bench, &frames[129], Faults::OUTPUT_BUS, "DAC");
+        bench.dac.with(|chip| fault(chip, false));
+        bench.init().unwrap();
+        run(&mut bench, &Orders { request: Request::ClearFault, ..to(STEP_RAD) }, 1);
+        let frames = run(&mut bench, &to(STEP_RAD), 300);
+        assert_eq!(frames[299].outputs.supervisor, Supervisor::Ready);
+    }
+}
+
+#[test]
 fn a_fault_is_left_by_clear_and_enable_only_and_only_without_its_cause() {
     let mut bench = running();
     bench.interlock_closed.set(false);

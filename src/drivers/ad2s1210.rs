@@ -21,6 +21,13 @@
 //! [`Ad2s1210::latch`] drops SAMPLE and [`Ad2s1210::read`] clocks out what was latched. Between the two the part needs
 //! 2 t_CK + 20 ns, 264 ns at 8.192 MHz (t16). Neither call waits: the caller puts work between them, as the image does
 //! with its pins and its ADC.
+//!
+//! # Sources
+//!
+//! Data sheet AD2S1210, held against the Linux driver `drivers/iio/resolver/ad2s1210.c`, which agrees in the addresses,
+//! the bits of the fault and the control register, 38 mV a count of the thresholds, the settling time of 20 ms at 12 bit
+//! after a reset, the fault register that must be read after it, parity in the top bit, and t16. The thresholds'
+//! reset values are the data sheet's.
 
 mod faults;
 

@@ -10,6 +10,13 @@
 //! SPI mode 1, at most 15 MHz (readback); BIN/2sCOMP tied low, so that code 0 is 0 V in a bipolar range too and neither
 //! power-up nor a clear can command torque; LDAC and CLR on pins. LDAC low transfers both channels together. CLR low
 //! forces both outputs to 0 V without the bus: what a fault handler can still do when nothing else works.
+//!
+//! # Sources
+//!
+//! Data sheet AD5724R/AD5734R/AD5754R: tables of the input shift register, of the control functions and of the power
+//! control register (PU A to D in bits 0 to 3, the reference in 4, thermal shutdown in 5, over-current A to D in 7 to
+//! 10), held against Analog Devices' own driver (no-OS, `drivers/dac/ad5754r`), which agrees in all of them and in that
+//! an answer stands in the second and third byte of the frame after the request.
 
 use core::fmt;
 
@@ -201,6 +208,29 @@ impl<Spi: SpiDevice, Ldac: OutputPin, Clear: OutputPin> Dac<Spi, Ldac, Clear> {
         drive(self.pins.clear.set_low())
     }
 
+    /// Asks for the state of the output stages; one frame. [`Self::write_and_take_status`] must be the next one.
+    ///
+    /// # Errors
+    ///
+    /// Bus errors.
+    pub fn ask_status(&mut self) -> Result<(), Error<Spi::Error>> {
+        self.ask(REGISTER_POWER)
+    }
+
+    /// As [`Self::write`], and takes the answer to [`Self::ask_status`], which goes out during the first of the two frames.
+    ///
+    /// # Errors
+    ///
+    /// As [`Self::write`], [`Error::Output`], and [`Error::ReadBack`] if the part has lost its power settings (or does
+    /// not answer).
+    pub fn write_and_take_status(&mut self, torque: TorqueCode, field: FieldCode) -> Result<(), Error<Spi::Error>> {
+        let written = self.write_both_and_take(torque, field);
+        if written.is_err() {
+            self.clear()?;
+        }
+        written
+    }
+
     /// State of the output stages; two frames.
     ///
     /// # Errors
@@ -208,13 +238,7 @@ impl<Spi: SpiDevice, Ldac: OutputPin, Clear: OutputPin> Dac<Spi, Ldac, Clear> {
     /// Bus errors, and [`Error::ReadBack`] if the part has lost its power settings (or does not answer).
     pub fn status(&mut self) -> Result<Status, Error<Spi::Error>> {
         let read = self.fetch(REGISTER_POWER)?;
-        let power = POWER_UP_REFERENCE | POWER_UP_A | self.part.power_up_b();
-        let status = self.decode(read);
-        // A part in thermal shutdown clears its own power bits; that is its message, not a lost setting.
-        if read & power != power && !status.thermal_shutdown {
-            return Err(Error::ReadBack { register: REGISTER_POWER, wrote: power, read });
-        }
-        Ok(status)
+        self.checked(read)
     }
 
     /// Gives port and pins back.
@@ -248,12 +272,38 @@ impl<Spi: SpiDevice, Ldac: OutputPin, Clear: OutputPin> Dac<Spi, Ldac, Clear> {
         self.spi.write(&[register, high, low]).map_err(Error::Bus)
     }
 
+    fn write_both_and_take(&mut self, torque: TorqueCode, field: FieldCode) -> Result<(), Error<Spi::Error>> {
+        drive(self.pins.ldac.set_high())?;
+        let [high, low] = torque.bits().to_be_bytes();
+        let mut frame = [REGISTER_DAC | ADDRESS_A, high, low];
+        self.spi.transfer_in_place(&mut frame).map_err(Error::Bus)?;
+        self.send(REGISTER_DAC | self.part.address_b(), field.bits())?;
+        drive(self.pins.ldac.set_low())?;
+        let status = self.checked(u16::from_be_bytes([frame[1], frame[2]]))?;
+        if status.is_ok() { Ok(()) } else { Err(Error::Output(status)) }
+    }
+
+    /// The state that the power register tells, if it holds what it should.
+    fn checked(&self, read: u16) -> Result<Status, Error<Spi::Error>> {
+        let power = POWER_UP_REFERENCE | POWER_UP_A | self.part.power_up_b();
+        let status = self.decode(read);
+        // A part in thermal shutdown clears its own power bits; that is its message, not a lost setting.
+        if read & power != power && !status.thermal_shutdown {
+            return Err(Error::ReadBack { register: REGISTER_POWER, wrote: power, read });
+        }
+        Ok(status)
+    }
+
     /// Asks for a register, and clocks the answer out with a no-operation.
     fn fetch(&mut self, register: u8) -> Result<u16, Error<Spi::Error>> {
-        self.spi.write(&[READ | register, 0, 0]).map_err(Error::Bus)?;
+        self.ask(register)?;
         let mut frame = [REGISTER_CONTROL | NOP, 0, 0];
         self.spi.transfer_in_place(&mut frame).map_err(Error::Bus)?;
         Ok(u16::from_be_bytes([frame[1], frame[2]]))
+    }
+
+    fn ask(&mut self, register: u8) -> Result<(), Error<Spi::Error>> {
+        self.spi.write(&[READ | register, 0, 0]).map_err(Error::Bus)
     }
 }
 

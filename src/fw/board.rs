@@ -108,8 +108,12 @@ impl Board {
         let (offsets_in, offsets) = singleton!(: Queue<Offset, QUEUE_OFFSETS> = Queue::new())?.split();
 
         let reset_faults = reset_cause(&device.RCC);
-        let config = rcc::Config::hse(8.MHz()).sysclk(CORE_HZ.Hz()).pclk1(42.MHz()).pclk2(84.MHz());
-        let mut rcc = device.RCC.freeze(config);
+        let clocks = rcc::Config::hse(8.MHz()).sysclk(CORE_HZ.Hz()).pclk1(42.MHz()).pclk2(84.MHz());
+        let mut rcc = device.RCC.freeze(clocks);
+        // Stored parameters have been checked; where there are none, those the image was built with. Before the watchdog
+        // runs: to find that sectors full of something else hold no set takes up to a second, and must not restart it all.
+        let mut storage = Storage::new(LockedFlash::new(device.FLASH));
+        let config = storage.load().unwrap_or_default();
         let mut watchdog = IndependentWatchdog::new(device.IWDG);
         // A halted core is a debugger at work, and the log must be readable while the core sleeps.
         watchdog.stop_on_debug(&device.DBGMCU, true);
@@ -146,9 +150,6 @@ impl Board {
             monitor: Monitor::new(device.ADC1, c.pc0.into_analog(), &mut rcc),
             delay: CycleDelay,
         };
-        // Stored parameters have been checked; where there are none, those the image was built with.
-        let mut storage = Storage::new(LockedFlash::new(device.FLASH));
-        let config = storage.load().unwrap_or_default();
         let servo = Servo::new(wiring, Params::new(&config).ok()?);
         let mut timer = device.TIM2.counter_hz(&mut rcc);
         timer.listen(Event::Update);

@@ -7,6 +7,7 @@ use embedded_storage_async::nor_flash::{ErrorType, NorFlash, NorFlashError, NorF
 use er_servo::Config;
 use er_servo::storage::{self, StorageError};
 use stm32f4xx_hal::flash::{self, FlashExt, LockedFlash};
+use stm32f4xx_hal::pac;
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::watchdog::IndependentWatchdog;
 
@@ -18,6 +19,8 @@ const RANGE: Range<u32> = 0x4000..0xC000;
 const SECTOR_BYTES: u32 = 0x4000;
 /// Erasing a 16 KiB sector byte by byte takes 400 ms, at most 800 (datasheet table 48), and the core stands still.
 const ERASE_WATCHDOG_MS: u32 = 2000;
+/// 1 ms of the core's clock; five cycles of a slow clock at its slowest, 17 kHz, are 0.3 ms.
+const WATCHDOG_CROSSING_CYCLES: u32 = 168_000;
 
 /// The parameters in flash.
 pub struct Storage {
@@ -39,11 +42,27 @@ impl Storage {
     pub fn save(&mut self, config: &Config, watchdog: &mut IndependentWatchdog) -> Result<(), StorageError> {
         tick::paused(|| {
             watchdog.start(ERASE_WATCHDOG_MS.millis());
+            // The new reload value takes up to five cycles of the slow clock to reach the counter (RM0090 section
+            // 21.4.4), and the HAL reloads before that, with the old one.
+            cortex_m::asm::delay(WATCHDOG_CROSSING_CYCLES);
+            watchdog.feed();
             let saved = block_on(storage::save(Parameters { flash: &mut self.flash }, RANGE, config));
             watchdog.start(WATCHDOG_MS.millis());
             saved
         })
     }
+}
+
+/// Empties the data cache of the flash interface, which does not learn of an erase (RM0090 section 3.6.3, note) and would
+/// go on giving what was there before. Programming it does follow.
+fn forget_cached_data() {
+    // SAFETY: only the data cache's bits of ACR are changed, and nothing else changes ACR after the clocks are set up.
+    #[allow(unsafe_code)]
+    let registers = unsafe { &*pac::FLASH::ptr() };
+    registers.acr().modify(|_, w| w.dcen().clear_bit());
+    registers.acr().modify(|_, w| w.dcrst().set_bit());
+    registers.acr().modify(|_, w| w.dcrst().clear_bit());
+    registers.acr().modify(|_, w| w.dcen().set_bit());
 }
 
 /// The two sectors, for the storage crate.
@@ -95,10 +114,10 @@ impl NorFlash for Parameters<'_> {
             return Err(Failed);
         }
         let mut unlocked = self.flash.unlocked();
-        for sector in sectors {
-            unlocked.erase(sector as u8)?;
-        }
-        Ok(())
+        let erased = sectors.into_iter().try_for_each(|sector| unlocked.erase(sector as u8));
+        drop(unlocked);
+        forget_cached_data();
+        Ok(erased?)
     }
 
     async fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), Failed> {

@@ -9,6 +9,7 @@ use rigless::emulator::{AccessKind, Driver, Host, Settled, Stop, Watch};
 use rigless::session::Session;
 use rigless::time::VirtualNanos;
 
+use crate::flash::Shared;
 use crate::host::Host as LinkHost;
 use crate::machine::{Port, ServoBoard};
 use crate::rotor::Rotor;
@@ -59,12 +60,16 @@ pub struct World {
     pub rotor: Rotor,
     /// The user at the far end of the command link.
     pub link: LinkHost,
+    /// The sectors of flash that hold the parameters; they outlive the run.
+    pub flash: Shared,
     /// The reader of the log; `None` when no probe is there.
     pub probe: Option<Probe>,
     /// Every write to the DAC's outputs, in order.
     pub commands: Vec<CommandSeen>,
     /// Instants of the falling edges of SAMPLE.
     pub samples: Vec<VirtualNanos>,
+    /// Angle of the rotor at each of them, rad.
+    pub angles_rad: Vec<f64>,
     /// Instructions to watch; give them before the run.
     pub watch: Vec<u64>,
     /// Watched instructions that were reached, with the count of instructions before them.
@@ -103,9 +108,11 @@ impl World {
         Self {
             rotor,
             link: LinkHost::default(),
+            flash: Shared::default(),
             probe: None,
             commands: Vec::new(),
             samples: Vec::new(),
+            angles_rad: Vec::new(),
             watch: Vec::new(),
             hits: Vec::new(),
             law_instructions: Vec::new(),
@@ -161,6 +168,7 @@ impl World {
         if before.sample && !pins.sample {
             self.move_rotor(board, now);
             self.samples.push(now);
+            self.angles_rad.push(self.rotor.angle_rad());
         }
         if let Some(resolver) = board.resolver() {
             resolver.advance_to(now);

@@ -4,16 +4,43 @@
 mod common;
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use board::world::World;
 
 use common::{firmware, log, ms, world};
 use er_servo::Mode;
 use er_servo::experiment::{Experiment, Shape};
 use er_servo::link::Command;
 use object::{Object, ObjectSection, ObjectSymbol, SymbolKind};
+use rigless::soc::Width;
 use wire::log::recordings;
 
 /// Instructions of the whole interrupt, waits for the buses included.
 const MOST_INSTRUCTIONS: u64 = 2500;
+
+/// The stack: all of the core-coupled memory, from the top down.
+const STACK: std::ops::Range<u64> = 0x1000_0000..0x1001_0000;
+/// Half of it: what a path that this run does not take may add.
+const MOST_STACK: u64 = 32 * 1024;
+/// Every mode and every experiment.
+const END_MS: f64 = 10_300.0;
+const PAINT: u64 = 0xA5A5_A5A5;
+
+/// Paints the stack before the first instruction, and measures at the end how much of the paint is gone.
+fn measure_stack(world: &mut World, end_ms: f64) -> Arc<AtomicU64> {
+    let used = Arc::new(AtomicU64::new(0));
+    let result = used.clone();
+    world.at(ms(0.0), |_, _, host, _| {
+        STACK.step_by(4).for_each(|address| host.write(address, Width::W32, PAINT).unwrap());
+    });
+    world.at(ms(end_ms - 1.0), move |_, _, host, _| {
+        let deepest = STACK.step_by(4).find(|address| host.read(*address, Width::W32).unwrap() != PAINT);
+        result.store(STACK.end - deepest.unwrap(), Ordering::Relaxed);
+    });
+    used
+}
 
 /// The functions of an image: address to name, size, and code.
 struct Code {
@@ -135,7 +162,8 @@ fn the_tick_reaches_no_panic_and_no_double_precision() {
 #[test]
 fn the_tick_keeps_its_budget_in_every_mode() {
     let (firmware, code) = (firmware(), Code::read());
-    let mut world = world(&firmware, 10_300.0);
+    let mut world = world(&firmware, END_MS);
+    let stack = measure_stack(&mut world, END_MS);
     let handler = code.at("TIM2");
     let returns = code.returns(handler);
     world.watch = returns.iter().copied().chain([handler]).collect();
@@ -176,6 +204,9 @@ fn the_tick_keeps_its_budget_in_every_mode() {
     println!("{} ticks: median {median}, worst {worst} instructions of {MOST_INSTRUCTIONS}", instructions.len());
     println!("of which the law: median {}, worst {}", law[law.len() / 2], law[law.len() - 1]);
     println!("RTT: {:.1} bytes a tick; {} frames lost", bytes as f64 / recording.frames.len() as f64, recording.lost());
+    let stack = stack.load(Ordering::Relaxed);
+    println!("stack: {stack} of {} bytes at its deepest", STACK.end - STACK.start);
+    assert!((256..=MOST_STACK).contains(&stack), "stack {stack} bytes");
     assert_eq!(recording.lost(), 0);
     assert!(worst <= MOST_INSTRUCTIONS, "worst tick {worst} instructions");
 }

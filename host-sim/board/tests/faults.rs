@@ -1,4 +1,4 @@
-//! The fault campaign: 232 seeded cases against the unmodified image.
+//! The fault campaign: 248 seeded cases against the unmodified image.
 //!
 //! Whatever happens: no field over 3.5 kV/mm, no torque over 30 N m, no hang. Where the cause can be seen at once, both
 //! outputs are zero and the high voltage is off in the tick after it, and the log says why.
@@ -41,11 +41,12 @@ enum Cause {
     Replay,
     BitInTick,
     BitInRam,
+    BitInStack,
     Reset,
     NoReader,
 }
 
-const CAUSES: [Cause; 14] = [
+const CAUSES: [Cause; 15] = [
     Cause::Garbage,
     Cause::AllOnes,
     Cause::AllZeros,
@@ -58,6 +59,7 @@ const CAUSES: [Cause; 14] = [
     Cause::Replay,
     Cause::BitInTick,
     Cause::BitInRam,
+    Cause::BitInStack,
     Cause::Reset,
     Cause::NoReader,
 ];
@@ -88,23 +90,37 @@ impl Cause {
             Self::Reset => Expected::Safe(ONE_TICK_NS, "er-servo"),
             Self::Flood | Self::Replay | Self::NoReader => Expected::Undisturbed,
             // A flipped bit in a reference or a state is a value like any other; in the parameters it is a fault.
-            Self::BitInTick | Self::BitInRam => Expected::Bounded,
+            Self::BitInTick | Self::BitInRam | Self::BitInStack => Expected::Bounded,
         }
     }
 }
 
-/// Where the image keeps its variables.
+/// Where the image keeps its variables: address and size.
 struct Variables {
+    /// What the interrupt works on.
     tick: (u64, u64),
+    /// Every variable in RAM but the bytes of the log's ring, by its symbol: no padding, no free memory.
     ram: Vec<(u64, u64)>,
 }
+
+/// Top of the stack, where the frame of `main` holds what thread mode works on: log, link, parameters, storage.
+const STACK_TOP: u64 = 0x1001_0000;
+const MAIN_FRAME_BYTES: u64 = 1024;
 
 fn variables() -> Variables {
     let bytes = std::fs::read(common::elf()).unwrap();
     let elf = object::File::parse(&*bytes).unwrap();
     let tick = elf.symbols().find(|symbol| symbol.name().is_ok_and(|name| name.contains("4tick4TICK"))).unwrap();
-    let ram = [".data", ".bss"].map(|name| elf.section_by_name(name).unwrap()).map(|at| (at.address(), at.size()));
-    Variables { tick: (tick.address(), tick.size()), ram: ram.to_vec() }
+    let in_ram = |address: u64| {
+        [".data", ".bss"]
+            .map(|name| elf.section_by_name(name).unwrap())
+            .iter()
+            .any(|section| (section.address()..section.address() + section.size()).contains(&address))
+    };
+    let ram = elf.symbols().filter(|symbol| symbol.size() > 0 && in_ram(symbol.address()));
+    let ram: Vec<_> = ram.map(|symbol| (symbol.address(), symbol.size())).collect();
+    assert!(ram.len() > 5, "the image has lost its symbols: {ram:?}");
+    Variables { tick: (tick.address(), tick.size()), ram }
 }
 
 fn prepare(firmware: &Firmware, cause: Cause, at_ns: u64, bit: u32, rng: &mut StdRng, variables: &Variables) -> World {
@@ -123,6 +139,9 @@ fn prepare(firmware: &Firmware, cause: Cause, at_ns: u64, bit: u32, rng: &mut St
     } else {
         let shape = Shape::Step { amplitude_rad: 0.02 };
         world.link.at(ms(STEP_MS), Command::Run(Experiment { shape, duration_s: 1.0 }));
+    }
+    if matches!(cause, Cause::Flood | Cause::Replay) {
+        world.link.at(VirtualNanos(at_ns + 130_000_000), Command::Status);
     }
     let at = VirtualNanos(at_ns);
     let seed: u64 = rng.random();
@@ -155,15 +174,17 @@ fn prepare(firmware: &Firmware, cause: Cause, at_ns: u64, bit: u32, rng: &mut St
             let again = world.link.last_sent.repeat(100);
             board.terminal().unwrap().send(now, &again);
         }),
-        Cause::BitInTick | Cause::BitInRam => {
+        Cause::BitInTick | Cause::BitInRam | Cause::BitInStack => {
             let (start, size) = match cause {
                 Cause::BitInTick => variables.tick,
+                Cause::BitInStack => (STACK_TOP - MAIN_FRAME_BYTES, MAIN_FRAME_BYTES),
                 _ => variables.ram[rng.random_range(0..variables.ram.len())],
             };
             let (address, bit) = (start + rng.random_range(0..size), rng.random_range(0..8));
             world.at(at, move |_, _, host, _| {
                 let byte = host.read(address, Width::W8).unwrap();
                 host.write(address, Width::W8, byte ^ 1 << bit).unwrap();
+                assert_ne!(host.read(address, Width::W8).unwrap(), byte, "the flip has hit");
             });
         }
         Cause::Reset => world.reset_at = Some(at),
@@ -208,10 +229,23 @@ fn verdict(run: &Run, cause: Cause, at_ns: u64) -> Result<(), String> {
             if !events.iter().any(|event| event.contains(sentence)) {
                 return Err(format!("the log does not say `{sentence}`: {events:?}"));
             }
+            let boots = events.iter().filter(|event| event.starts_with("er-servo")).count();
+            if cause == Cause::Reset && (boots != 2 || !events.last().unwrap().ends_with("ready")) {
+                return Err(format!("does not come up again: {events:?}"));
+            }
         }
         Expected::Undisturbed => {
             if !commands.last().unwrap().hv_enable || !run.session.resets().is_empty() {
                 return Err("the drive stopped".to_owned());
+            }
+            let counters = run.driver.link.status().map(|status| status.counters).unwrap_or_default();
+            let counted = match cause {
+                Cause::Flood => counters.damaged + counters.overlong,
+                Cause::Replay => counters.replayed,
+                _ => 1,
+            };
+            if counted == 0 {
+                return Err(format!("not counted: {counters:?}"));
             }
             let late = run
                 .driver
@@ -223,7 +257,18 @@ fn verdict(run: &Run, cause: Cause, at_ns: u64) -> Result<(), String> {
                 return Err(format!("a tick was disturbed: {pair:?}"));
             }
         }
-        Expected::Bounded => {}
+        Expected::Bounded => {
+            // It goes on, or it stands still in its safe state; and where the watchdog restarted it, the log says so.
+            let state = commands.last().unwrap();
+            if !state.hv_enable && !is_safe(state) {
+                return Err(format!("commands without the high voltage: {state:?}"));
+            }
+            if let Some(reset) = run.session.resets().first()
+                && commands.iter().any(|command| command.at.0 > reset.at.0 && !is_safe(command))
+            {
+                return Err("commands after a restart".to_owned());
+            }
+        }
     }
     Ok(())
 }
@@ -234,7 +279,7 @@ fn last_heard_ns(run: &Run) -> u64 {
 }
 
 #[test]
-fn two_hundred_and_thirty_two_cases() {
+fn two_hundred_and_forty_eight_cases() {
     let firmware = firmware();
     let variables = variables();
     let mut cases: Vec<(Cause, u64, u32)> = Vec::new();
@@ -253,7 +298,9 @@ fn two_hundred_and_thirty_two_cases() {
             let at_ns = (STEP_MS * 1e6) as u64 + rng.random_range(span_ns);
             let run = firmware.run(prepare(&firmware, cause, at_ns, bit, &mut rng, &variables)).unwrap();
             if let Err(why) = verdict(&run, cause, at_ns) {
-                failed.push(format!("{cause:?} {bit}, seed {seed:#x}, at {at_ns} ns: {why}"));
+                let failure = format!("{cause:?} {bit}, seed {seed:#x}, at {at_ns} ns: {why}");
+                println!("{failure}");
+                failed.push(failure);
             }
         }
         failed

@@ -3,6 +3,9 @@
 
 mod common;
 
+use std::collections::BTreeSet;
+use std::f64::consts::TAU;
+
 use board::world::INTERLOCK;
 use common::{events, firmware, log, ms, world};
 use er_servo::drivers::scaling::{FieldCode, TorqueCode};
@@ -10,6 +13,9 @@ use er_servo::experiment::{Experiment, Shape};
 use er_servo::link::{Answer, Command};
 use er_servo::{Params, Supervisor, step};
 use wire::log::recordings;
+
+/// 120 pole pairs of 12 bit.
+const COUNTS_PER_REV: f64 = 491_520.0;
 
 #[test]
 fn boots_to_ready_and_ticks_at_2_khz() {
@@ -62,7 +68,12 @@ fn a_step_response_of_two_seconds_is_that_of_the_host_to_the_bit() {
 
     let params = Params::new(&recording.begin.config).unwrap();
     let mut state = recording.begin.state;
+    let mut turns = BTreeSet::new();
     for frame in &recording.frames {
+        // What the image says it read is where the rotor stood when SAMPLE fell; so the host is fed with the same counts.
+        let true_counts = (run.driver.angles_rad[frame.seq as usize + 2] / TAU * COUNTS_PER_REV).floor() as i64;
+        assert_eq!(i64::from(frame.inputs.resolver.code.0), true_counts.rem_euclid(4096), "tick {}", frame.seq);
+        turns.insert(true_counts - i64::from(frame.outputs.position.0));
         let outputs = step(&params, &mut state, &frame.inputs);
         assert_eq!(outputs.torque_nm.to_bits(), frame.outputs.torque_nm.to_bits(), "tick {}", frame.seq);
         assert_eq!(outputs.field_kv_mm.to_bits(), frame.outputs.field_kv_mm.to_bits(), "tick {}", frame.seq);
@@ -72,6 +83,8 @@ fn a_step_response_of_two_seconds_is_that_of_the_host_to_the_bit() {
         let field = FieldCode::from_field_kv_mm(outputs.field_kv_mm).bits();
         assert_eq!(written_in(&run, frame.seq), [torque, field], "tick {}", frame.seq);
     }
+    // Counted across pole pairs, from the one that the image began in.
+    assert!(turns.len() == 1 && turns.iter().all(|offset| offset % 4096 == 0), "{turns:?}");
     // The machine has moved by 30 degrees and stands within what friction holds.
     assert!(
         (run.driver.rotor.angle_rad() - 0.0123 - std::f64::consts::FRAC_PI_6).abs() < 0.01,

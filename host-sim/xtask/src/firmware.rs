@@ -45,6 +45,19 @@ pub fn build() -> Result<Image, String> {
     Ok(image)
 }
 
+/// Lints the image's own code, which a lint for the host never sees; warnings are errors.
+///
+/// # Errors
+///
+/// No compiler, or a lint.
+pub fn lint() -> Result<(), String> {
+    let root = root();
+    let toolchain = Toolchain::find(&root)?;
+    let mut command = toolchain.cargo(&root, &root.join("target/firmware"), &["clippy", "--bin", "er-servo"]);
+    command.args(["--", "-D", "warnings"]);
+    run(command)
+}
+
 /// Builds the image and runs it on the emulated board.
 ///
 /// # Errors

@@ -28,6 +28,7 @@ pub fn all() -> Result<(), String> {
     steps.step("firmware", || firmware::build().map(|image| image.print()))?;
     steps.cargo("tests", &["test", "--workspace"])?;
     steps.cargo("tests, release", &["test", "--workspace", "--release"])?;
+    steps.step("firmware clippy", firmware::lint)?;
     steps.step("fuzz", fuzz::bounded)?;
     let on_board = |arguments: &[&str]| cargo(&board, arguments);
     steps.run("board fmt", on_board(&["fmt", "--check"]))?;

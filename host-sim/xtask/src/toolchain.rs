@@ -1,8 +1,8 @@
 //! A compiler for thumbv7em-none-eabihf, with rustup or without it.
 //!
 //! In this order: the target is installed; rustup installs it, given 20 s because it hangs rather than fails behind a
-//! closed network; Debian's `rustc-web`, `cargo-web` and `rust-web-src`, which build `core` from source. Debian's
-//! packages are installed where they are missing and this runs as root.
+//! closed network; Debian's `rustc-web`, `cargo-web`, `rust-web-clippy` and `rust-web-src`, which build `core` from
+//! source. Debian's packages are installed where they are missing and this runs as root.
 
 use std::env;
 use std::ffi::OsString;
@@ -18,8 +18,9 @@ pub const TARGET: &str = "thumbv7em-none-eabihf";
 const RUSTUP_LIMIT: Duration = Duration::from_secs(20);
 /// After a failure rustup is left alone for this long, so that not every build waits for it.
 const RUSTUP_RETRY: Duration = Duration::from_secs(24 * 3600);
-const PACKAGES: [&str; 3] = ["rustc-web", "cargo-web", "rust-web-src"];
+const PACKAGES: [&str; 4] = ["rustc-web", "cargo-web", "rust-web-src", "rust-web-clippy"];
 const DEBIAN_CARGO: &str = "/usr/bin/cargo";
+const DEBIAN_CLIPPY: &str = "/usr/bin/cargo-clippy";
 const DEBIAN_RUSTC: &str = "/usr/bin/rustc";
 const DEBIAN_LIBRARY: &str = "/usr/lib/rustlib/src/rust/library";
 
@@ -98,7 +99,7 @@ fn target_installed() -> bool {
 }
 
 fn debian_installed() -> bool {
-    [DEBIAN_CARGO, DEBIAN_RUSTC, DEBIAN_LIBRARY].iter().all(|path| Path::new(path).exists())
+    [DEBIAN_CARGO, DEBIAN_CLIPPY, DEBIAN_RUSTC, DEBIAN_LIBRARY].iter().all(|path| Path::new(path).exists())
 }
 
 fn install_debian() -> Result<(), String> {

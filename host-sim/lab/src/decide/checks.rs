@@ -184,7 +184,7 @@ mod tests {
         let nominal = Physics::nominal(&machine);
         let recordings = [recording(&nominal, 0.02, 4.0, 1)];
         let motions = recordings.iter().map(|r| Motion::new(r, &nominal, machine.axis.resolution)).collect();
-        let problem = Problem::new(motions, nominal);
+        let problem = Problem::new(motions, 1, nominal);
         assert_eq!(self_checks(&problem, &recordings, &VOCABULARY), Vec::<String>::new());
         // An effect whose neutral value is not: a spring of its own in every put.
         let put = |physics: &mut Physics, _: &[f64]| physics.spring = 0.3;

@@ -122,6 +122,9 @@ fn why(trial: &Trial, axis: AxisKind) -> String {
     if trial.p_value >= MAX_P {
         return format!("not significant after correction, p = {:.1e}", trial.p_value);
     }
+    if trial.at_bound() {
+        return "its best value stands at the bound of what was searched".to_owned();
+    }
     if !trial.accepted() {
         return format!("its gain is not in enough of the blocks, t = {:.1} over blocks", trial.t);
     }

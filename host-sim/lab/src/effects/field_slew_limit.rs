@@ -6,7 +6,8 @@ use super::{Effect, as_fitted, free, with_field};
 pub static EFFECT: Effect = Effect {
     id: "field_slew_limit",
     sentence: "The field changes at a limited rate: the current limit of the high-voltage amplifier into the damper's capacitance.",
-    parameters: &[free(5.0, 5e4, 100.0)],
+    // Faster than the whole field in a tick, nothing is left of it in the samples.
+    parameters: &[free(5.0, 7e3, 100.0)],
     applies: with_field,
     starts: |_, _| [2000.0, 1000.0, 500.0, 250.0, 120.0, 60.0, 30.0].iter().map(|&v| vec![v]).collect(),
     put: |p, v| {

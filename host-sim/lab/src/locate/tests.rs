@@ -13,7 +13,7 @@ fn judged(change: impl Fn(&mut Physics), seed: u64) -> (Problem, Fit) {
     change(&mut truth);
     let recorded = recording(&truth, 0.03, 6.0, seed);
     let motion = Motion::new(&recorded, &nominal, machine.axis.resolution);
-    let problem = Problem::new(vec![motion], nominal);
+    let problem = Problem::new(vec![motion], 1, nominal);
     let outcome = Search::new(&problem, &[], false).run(&[]);
     (problem, outcome.nominal)
 }

@@ -189,7 +189,7 @@ mod tests {
 
     fn problem(recording: &Recording) -> Problem {
         let nominal = nominal();
-        Problem::new(vec![Motion::new(recording, &nominal, RESOLUTION)], nominal)
+        Problem::new(vec![Motion::new(recording, &nominal, RESOLUTION)], 1, nominal)
     }
 
     fn active(id: &str, values: Vec<f64>) -> Active {

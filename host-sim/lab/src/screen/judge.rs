@@ -31,7 +31,18 @@ pub struct Trial {
 impl Trial {
     /// Whether it passes all tests.
     pub fn accepted(&self) -> bool {
-        self.gain >= MIN_GAIN && self.p_value < MAX_P && self.t >= MIN_T
+        self.gain >= MIN_GAIN && self.p_value < MAX_P && self.t >= MIN_T && !self.at_bound()
+    }
+
+    /// Whether a value of the effect stands where the search ends: at no finite value of its own it is no such effect.
+    /// A bound of zero is one that nature has.
+    pub fn at_bound(&self) -> bool {
+        self.fit.active.last().is_some_and(|entry| {
+            entry.values.iter().zip(&entry.ranges).any(|(value, range)| {
+                let near = |bound: f64| bound.is_finite() && (value - bound).abs() <= 1e-6 * range.scale;
+                near(range.high) || near(range.low) && range.low != 0.0
+            })
+        })
     }
 }
 

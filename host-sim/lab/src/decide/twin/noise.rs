@@ -131,21 +131,25 @@ pub(super) fn at_rest(recording: &Recording, noise: &Noise, horizon_s: f64, seed
         ..plant::sensor::SamplerConfig::default()
     };
     let mut sampler = plant::sensor::Sampler::new(sampler, seed).ok()?;
-    let (mut recorded, mut expected, mut count) = (0.0, 0.0, 0);
+    let (mut recorded, mut expected, mut count) = (Vec::new(), Vec::new(), 0);
     let mut start = 0;
     while start < recording.rows() {
         let end = recording.t_s.partition_point(|t| *t < recording.t_s[start] + horizon_s);
         let window = &recording.position[start..end];
         if rests(window, noise.resolution) {
             let drawn: Vec<f64> = window.iter().map(|_| sampler.measure(mean(window))).collect();
-            recorded += squares_about_mean(window);
-            expected += squares_about_mean(&drawn);
+            recorded.push(squares_about_mean(window) / window.len() as f64);
+            expected.push(squares_about_mean(&drawn) / window.len() as f64);
             count += window.len();
         }
         start = end.max(start + 1);
     }
-    let rms = |sum: f64| (sum / f64::from(count as u32)).sqrt();
-    (count >= 100).then(|| (rms(recorded), rms(expected)))
+    // A few windows in which the rotor creeps do not count.
+    let median = |mut squares: Vec<f64>| {
+        squares.sort_by(f64::total_cmp);
+        squares[squares.len() / 2].sqrt()
+    };
+    (count >= 100).then(|| (median(recorded), median(expected)))
 }
 
 /// Whether nothing moves in a window: the means of its quarters differ by no more than a step and what their own scatter

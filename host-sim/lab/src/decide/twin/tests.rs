@@ -3,7 +3,7 @@ use super::*;
 use crate::decide::Request;
 use crate::decide::testing::{machine, recording};
 use crate::effects::{Harmonic, VOCABULARY, find};
-use crate::refit::Windows;
+use crate::refit::{HORIZON_S, Windows};
 use crate::screen::{Outcome, Problem, Search};
 
 const RESOLUTION: f64 = std::f64::consts::TAU / 491_520.0;
@@ -13,7 +13,7 @@ fn nominal() -> Physics {
 }
 
 fn prepared(recording: &Recording, machine: &Physics) -> (Problem, Outcome) {
-    let problem = Problem::new(vec![Motion::new(recording, machine, RESOLUTION)], machine.clone());
+    let problem = Problem::new(vec![Motion::new(recording, machine, RESOLUTION)], 1, machine.clone());
     let outcome = Search::new(&problem, &[], false).run(&[]);
     (problem, outcome)
 }
@@ -46,7 +46,7 @@ fn a_clean_twin_leaves_nothing_in_the_windows_whatever_its_sensor() {
         let motion = Motion::new(&recorded, &nominal(), RESOLUTION);
         let noise = Noise { torque: 0.0, position: 0.0, resolution: 0.0 };
         let twin = twin(&machine, 0, &recorded, path(&motion), &noise, 1).unwrap();
-        let rms = Windows::new(&machine, &[twin], 0).unwrap().rms();
+        let rms = Windows::new(&machine, &[twin], 0, RESOLUTION, HORIZON_S).unwrap().rms();
         assert!(rms < 2e-7, "latency {latency_s} s: {rms:.1e} rad");
     }
 }
@@ -82,7 +82,7 @@ fn torque_noise_is_estimated_and_the_floor_is_what_the_true_machine_leaves() {
         assert!((noise.torque / torque_noise_nm - 1.0).abs() < 0.2, "{torque_noise_nm}: {noise:?}");
         assert!(noise.position < 0.3 * RESOLUTION, "{noise:?}");
         let floor = noise_floor(&nominal(), &recorded, &problem.motions, &[noise]).unwrap();
-        let left = Windows::new(&nominal(), &recorded, 0).unwrap().rms();
+        let left = Windows::new(&nominal(), &recorded, 0, RESOLUTION, HORIZON_S).unwrap().rms();
         assert!((floor.rms / left - 1.0).abs() < 0.2, "floor {:.2e}, left {left:.2e}", floor.rms);
         assert_eq!(floor.warnings, Vec::<String>::new());
     }
@@ -106,12 +106,12 @@ fn nothing_is_found_in_a_clean_twin_and_what_its_model_lacks_is() {
     let request = Request { machine: &machine, recordings: &recordings, holdout: &[], vocabulary: &few };
     let (problem, outcome) = prepared(&recordings[0], &nominal());
     let noises = [estimate(&problem, &outcome.fit, &outcome.weights, 0, RESOLUTION)];
-    let found = falsely_found(&request, &nominal(), &problem.motions, &noises).unwrap();
+    let found = falsely_found(&request, &nominal(), &recordings, &problem.motions, &noises).unwrap();
     assert_eq!(found, Vec::<&str>::new());
     assert!(VOCABULARY.len() > few.len());
     // The same search on the same recording against a machine that lacks friction.
     let lacking = Physics { coulomb: 0.5, ..nominal() };
-    let problem = Problem::new(vec![Motion::new(&recordings[0], &lacking, RESOLUTION)], lacking);
+    let problem = Problem::new(vec![Motion::new(&recordings[0], &lacking, RESOLUTION)], 1, lacking);
     let first = Search::new(&problem, &few, false).first_step();
     assert_eq!(first.first().map(|trial| trial.effect.id), Some("coulomb_friction"));
 }
