@@ -13,7 +13,7 @@
 //! |---|---|
 //! | 0..4 | number, counted up with each save |
 //! | 4..8 | CRC-32 of all other bytes |
-//! | 8..10 | layout, [`VERSION`] |
+//! | 8..10 | layout, 2 |
 //! | 10..12 | count of values |
 //! | 12.. | the values in the order of [`TABLE`], single precision |
 
