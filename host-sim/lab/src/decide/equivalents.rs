@@ -23,7 +23,8 @@ pub fn equivalents(
         .into_iter()
         .filter(|(effect, _)| effect.id != replaced.effect.id)
         .filter_map(|(effect, fit)| {
-            let own = fit.active.last().map_or(usize::MAX, |entry| effect.freedom(&entry.values));
+            let entry = fit.active.last().filter(|entry| !entry.at_bound())?;
+            let own = effect.freedom(&entry.values);
             (own <= freedom && !worse(&fit, best)).then(|| (own, fit.heldout_sse(), effect))
         })
         .collect();

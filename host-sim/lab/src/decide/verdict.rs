@@ -78,14 +78,8 @@ pub(super) fn warnings(searched: &Searched, left: &Leftover, verdict: Verdict) -
             if left.channel.is_empty() { "no channel of state" } else { &left.channel }
         ));
     }
-    for entry in &searched.outcome.fit.active {
-        for (value, range) in entry.values.iter().zip(&entry.ranges) {
-            let near = |bound: f64| bound.is_finite() && (value - bound).abs() <= 1e-6 * range.scale;
-            if near(range.high) || near(range.low) && range.low != 0.0 {
-                let id = entry.effect.id;
-                warnings.push(format!("{id}: a value stands at the bound of what was searched, {value}"));
-            }
-        }
+    for entry in searched.outcome.fit.active.iter().filter(|entry| entry.at_bound()) {
+        warnings.push(format!("{}: a value stands at the bound of what was searched", entry.effect.id));
     }
     let repaired: usize = searched.problem.motions.iter().map(|m| m.glitches.len()).sum();
     if repaired > 0 {

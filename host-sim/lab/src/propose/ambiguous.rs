@@ -22,8 +22,9 @@ pub fn for_ambiguous(
 ) -> Option<Proposal> {
     let active = &outcome.fit.active;
     let id = |swapped: &str| {
-        let others = active.iter().map(|entry| entry.effect.id).filter(|id| *id != swapped);
-        others.fold(String::new(), |all, id| format!("{all} and {id}"))
+        let mut others: Vec<&str> = active.iter().map(|entry| entry.effect.id).filter(|id| *id != swapped).collect();
+        others.dedup();
+        others.iter().fold(String::new(), |all, id| format!("{all} and {id}"))
     };
     let refitter = Refitter::new(problem, outcome);
     let mut rivals = Vec::new();
@@ -40,7 +41,10 @@ pub fn for_ambiguous(
         let fits = refitter.each_on(&without, &others);
         for (effect, fit) in others.iter().filter_map(|other| fits.iter().find(|(effect, _)| effect == other)) {
             let id = format!("{}{rest}", effect.id);
-            rivals.push(Rival { id, base: problem.nominal.clone(), active: fit.active.clone() });
+            // Two orders of cogging may have the same rival.
+            if rivals.iter().all(|rival| rival.id != id) {
+                rivals.push(Rival { id, base: problem.nominal.clone(), active: fit.active.clone() });
+            }
         }
     }
     rivals.truncate(RIVALS);

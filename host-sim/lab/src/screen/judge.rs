@@ -3,7 +3,7 @@
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
 use super::fit::Fit;
-use super::problem::Problem;
+use super::problem::{Active, Problem};
 use crate::effects::Effect;
 
 /// Least gain in held-out error for an effect to be accepted.
@@ -34,21 +34,17 @@ impl Trial {
         self.gain >= MIN_GAIN && self.p_value < MAX_P && self.t >= MIN_T && !self.at_bound()
     }
 
-    /// Whether a value of the effect stands where the search ends: at no finite value of its own it is no such effect.
-    /// A bound of zero is one that nature has.
+    /// Whether a value of the effect stands where the search ends.
     pub fn at_bound(&self) -> bool {
-        self.fit.active.last().is_some_and(|entry| {
-            entry.values.iter().zip(&entry.ranges).any(|(value, range)| {
-                let near = |bound: f64| bound.is_finite() && (value - bound).abs() <= 1e-6 * range.scale;
-                near(range.high) || near(range.low) && range.low != 0.0
-            })
-        })
+        self.fit.active.last().is_some_and(Active::at_bound)
     }
 }
 
-/// Whether `fit` predicts the blocks significantly worse than `best`: paired over blocks, and by more than a hair.
+/// Whether `fit` predicts the blocks significantly worse than `best`: paired over blocks, in squares or in shares of each
+/// block's own, and by more than a hair.
 pub fn worse(fit: &Fit, best: &Fit) -> bool {
-    paired_t(fit, best) > 2.0 && fit.heldout_sse() - best.heldout_sse() > 0.01 * best.heldout_sse()
+    paired_t(fit, best).max(relative_t(fit, best)) > 2.0
+        && fit.heldout_sse() - best.heldout_sse() > 0.01 * best.heldout_sse()
 }
 
 /// t of the fall of the held-out squares from one fit to another, paired over blocks.

@@ -23,6 +23,17 @@ pub struct Active {
     pub ranges: Vec<Range>,
 }
 
+impl Active {
+    /// Whether a value stands where the search ends: at no finite value of its own it is no such effect. A bound of zero
+    /// is one that nature has.
+    pub fn at_bound(&self) -> bool {
+        self.values.iter().zip(&self.ranges).any(|(value, range)| {
+            let near = |bound: f64| bound.is_finite() && (value - bound).abs() <= 1e-6 * range.scale;
+            near(range.high) || near(range.low) && range.low != 0.0
+        })
+    }
+}
+
 /// One row of the problem.
 #[derive(Debug, Clone)]
 pub(crate) struct Equation {

@@ -5,6 +5,7 @@ use std::path::Path;
 use lab::decide::{Request, diagnose};
 use lab::effects::VOCABULARY;
 use lab::read::{Machine, Recording};
+use lab::report::Answer;
 
 #[test]
 fn dry_friction_of_the_emps_axis_comes_first_and_within_five_percent() {
@@ -23,4 +24,50 @@ fn dry_friction_of_the_emps_axis_comes_first_and_within_five_percent() {
     let asymmetry = answer.effects.iter().find(|effect| effect.id == "friction_asymmetry").unwrap();
     // Slopes of 166.7 and 240.4 N s/m were published.
     assert!((asymmetry.parameters[1].value / -73.7 - 1.0).abs() < 0.15, "{asymmetry:?}");
+}
+
+/// The published model with an offset has no asymmetry of the slope, and the other way round: they explain the same.
+#[test]
+fn without_an_asymmetry_the_emps_axis_has_the_published_offset() {
+    let Some(answer) = diagnosed("emps", &["train.csv"], &["pulses.csv"], "friction_asymmetry") else { return };
+    assert_eq!(answer.effects[0].id, "coulomb_friction", "{answer:?}");
+    let offset = answer.effects.iter().find(|effect| effect.id == "torque_offset").unwrap();
+    assert!((offset.parameters[0].value / 3.165 - 1.0).abs() < 0.10, "{offset:?}");
+    let fit = &answer.fit;
+    let excess = |rms: f64| rms.powi(2) - fit.noise_floor_rms.powi(2);
+    assert!(excess(fit.heldout_after_rms) < 0.3 * excess(fit.heldout_before_rms), "{fit:?}");
+}
+
+/// Amplitudes of the separate map `map_a_4.csv`, N m.
+const MAP: [(f64, f64); 2] = [(7.0, 0.0475), (28.0, 0.0309)];
+
+#[test]
+fn cogging_of_the_odrive_motor_has_the_orders_and_sizes_of_its_map() {
+    let Some(answer) = diagnosed("odrive_cogging", &["slow2_nocomp_0.csv"], &["slow2_nocomp_1.csv"], "") else {
+        return;
+    };
+    let first: Vec<_> = answer.effects.iter().take(3).filter(|effect| effect.id == "cogging").collect();
+    for (order, amplitude) in MAP {
+        let found = first.iter().find(|effect| effect.parameters[1].value == order).unwrap();
+        let ratio = found.parameters[0].value / amplitude;
+        assert!((ratio - 1.0).abs() < 0.2, "order {order}: {ratio:.3} of the map");
+    }
+    assert!(answer.warnings.iter().any(|warning| warning.contains("filter")), "{:?}", answer.warnings);
+}
+
+/// The answer on recordings of a folder of the shared data; none, with the reason printed, where it is not there.
+fn diagnosed(folder: &str, fit: &[&str], holdout: &[&str], without: &str) -> Option<Answer> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data").join(folder);
+    if !folder.is_dir() {
+        println!("skipped: {} is not there", folder.display());
+        return None;
+    }
+    let machine = Machine::read(&folder.join("machine.toml")).unwrap();
+    let read = |names: &[&str]| -> Vec<Recording> {
+        names.iter().map(|name| Recording::read(&folder.join(name), None).unwrap()).collect()
+    };
+    let (recordings, holdout) = (read(fit), read(holdout));
+    let vocabulary: Vec<_> = VOCABULARY.iter().copied().filter(|effect| effect.id != without).collect();
+    let request = Request { machine: &machine, recordings: &recordings, holdout: &holdout, vocabulary: &vocabulary };
+    Some(diagnose(&request).unwrap().answer)
 }
