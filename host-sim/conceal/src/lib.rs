@@ -7,7 +7,7 @@
 //! so that the loop is the real one.
 //!
 //! Data takes this way: [`plan`] says what a seed is, [`catalogue`] draws effects and their sizes, [`physics`] holds the machine as numbers, [`rotor`]
-//! integrates it, [`closed_loop`] runs the law on it along a [`reference`], [`recording`] writes what the drive would have
+//! integrates it, [`closed_loop`] runs the law on it along a [`mod@reference`], [`recording`] writes what the drive would have
 //! logged, [`case`] puts all of that together, and [`seal`] closes the truth away. The same seed gives the same files.
 #![forbid(unsafe_code)]
 
