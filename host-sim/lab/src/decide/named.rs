@@ -40,7 +40,9 @@ fn effect_answer(
     };
     let axis = request.machine.axis.kind;
     let names = vocabulary::effect(entry.effect.id).map_or(&[] as &[vocabulary::Parameter], |kind| kind.parameters);
-    let values = intervals(&refined.active, &refined.covariance, index);
+    let mut values = intervals(&refined.active, &refined.covariance, index);
+    let weak = (entry.effect.report)(&entry.values);
+    names.iter().zip(&mut values).zip(weak).for_each(|((name, value), weak)| *value = widened(name, *value, weak));
     let mut parameters = parameters(names, &values, axis);
     within_bounds(&refined.active[index], &mut parameters);
     let recording = (entry.effect.id == "disturbance_pulse")
@@ -55,6 +57,15 @@ fn effect_answer(
         evidence,
         recording,
     }
+}
+
+/// Two estimates of the same data, in the time domain and in the weak form, that differ show what the form of the model
+/// leaves open; an interval reaches from one to the other at least as its own error adds to that.
+fn widened(name: &vocabulary::Parameter, (value, half): (f64, f64), weak: f64) -> (f64, f64) {
+    let apart = value - weak;
+    let turn = std::f64::consts::TAU;
+    let apart = if name.id(AxisKind::Rotary) == "phase_rad" { apart - turn * (apart / turn).round() } else { apart };
+    (value, half.hypot(apart))
 }
 
 /// No interval leaves what physics allows; only for values that are reported as they are fitted.
