@@ -151,17 +151,27 @@ fn every_scenario_simulates_writes_and_replays() {
 }
 
 #[test]
-fn compare_writes_a_picture_a_recording_and_demo_the_lot() {
+fn compare_writes_a_picture() {
     let folder = folder();
     let text = printed(folder.path(), "compare --machine machine.toml run.csv");
     assert!(text.starts_with("run.csv: 600 rows, 0.299 s, 0 gaps\n"), "{text}");
     let svg = fs::read_to_string(folder.path().join("compare-run.svg")).unwrap();
     assert!(svg.contains("<svg") && svg.contains("time (s)"));
+}
+
+#[test]
+#[cfg_attr(debug_assertions, ignore = "a minute without optimisation; the tests in release run it")]
+fn demo_names_what_its_model_leaves_out() {
+    let folder = folder();
     let text = printed(folder.path(), "demo --out demo");
-    for file in ["step.svg", "demo.csv", "compare.svg"] {
+    for file in ["step.svg", "machine.toml", "steps.csv", "compare.svg", "diagnosis.html"] {
         assert!(text.contains(file) && folder.path().join("demo").join(file).is_file(), "{file}: {text}");
     }
-    assert!(printed(folder.path(), "replay demo/demo.csv").ends_with("identical, 16000 rows\n"));
+    assert!(text.contains("This is missing from the model:"), "{text}");
+    for effect in ["viscous_friction: ", "field_dead_time: ", "field_lag: "] {
+        assert!(text.contains(effect), "{effect}: {text}");
+    }
+    assert!(printed(folder.path(), "replay demo/steps.csv").ends_with("identical, 10000 rows\n"));
 }
 
 #[test]
