@@ -1,7 +1,7 @@
 //! From recordings to the answer.
 
-use super::Refined;
 use super::checks::self_checks;
+use super::confirmed::confirm;
 use super::controller::mismatch;
 use super::fitted::fit_answer;
 use super::named::{effects, rejected};
@@ -15,7 +15,6 @@ use crate::progress::Stages;
 use crate::propose::{Proposal, for_ambiguous};
 use crate::read::{Machine, Recording};
 use crate::report::{Answer, Verdict};
-use crate::screen::Refitter;
 
 /// What is to be diagnosed.
 #[derive(Debug)]
@@ -55,12 +54,12 @@ pub fn diagnose(request: &Request<'_>) -> Result<Diagnosis, Error> {
     let nominal = Physics::of(request.machine, &names)?;
     let mut notes: Vec<String> = files.iter().flat_map(|recording| recording.notes()).collect();
     let mut stages = Stages::begin();
-    let searched = search(request, &nominal, &mut stages);
+    let mut searched = search(request, &nominal, &mut stages);
     if searched.problem.fitted_equations() == 0 {
         let message = "nothing moves long enough in one direction to be judged; record more motion".to_owned();
         return Err(Error::Usage(format!("{}: {message}", names.join(", "))));
     }
-    let refined = refine(request, &searched, &mut notes);
+    let (refined, taken_back) = confirm(request, &mut searched, &mut notes);
     stages.done("refit");
     let controller = request.machine.controller.as_ref().and_then(|law| mismatch(law, &files, &mut notes));
     let (verdict, answer) = match controller {
@@ -77,15 +76,8 @@ pub fn diagnose(request: &Request<'_>) -> Result<Diagnosis, Error> {
         stages,
     };
     judge(request, &searched, &mut diagnosis, notes)?;
+    diagnosis.answer.rejected = rejected(request, &searched.outcome, &diagnosis.answer.effects, &taken_back);
     Ok(diagnosis)
-}
-
-/// The effects found, with values from the time domain where it holds.
-fn refine(request: &Request<'_>, searched: &Searched, notes: &mut Vec<String>) -> Refined {
-    let (problem, fit) = (&searched.problem, &searched.outcome.fit);
-    let inflation = Refitter::new(problem, &searched.outcome).inflation(fit);
-    let resolution = request.machine.axis.resolution;
-    Refined::new(problem, &searched.recordings[..problem.fitted], fit, inflation, resolution, notes)
 }
 
 /// The verdict and everything that depends on it.
@@ -111,7 +103,6 @@ fn judge(
     answer.warnings.extend(self_checks(problem, &searched.recordings[..problem.fitted], request.vocabulary));
     answer.warnings.extend(twins.warnings);
     stages.done("self-checks");
-    answer.rejected = rejected(request, outcome, &answer.effects);
     if answer.verdict != Verdict::None {
         answer.regions = regions(problem, before, axis);
         answer.locations = locations(problem, before, axis, &answer.regions);

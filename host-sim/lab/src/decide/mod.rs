@@ -1,6 +1,7 @@
 //! The decision: intervals, equivalents, what is left over, and the verdict.
 
 mod checks;
+mod confirmed;
 mod controller;
 mod diagnose;
 mod equivalents;

@@ -3,6 +3,7 @@
 use super::fitted::explained;
 use super::prepare::Searched;
 use super::{Refined, Request, equivalents, intervals};
+use crate::effects::Effect;
 use crate::read::{AxisKind, vocabulary};
 use crate::report::{EffectAnswer, Evidence, Interval, Rejected};
 use crate::screen::{Active, Fit, MAX_P, MIN_GAIN, Outcome, Problem, Refitter, Trial};
@@ -118,12 +119,22 @@ fn parameters(names: &[vocabulary::Parameter], values: &[(f64, f64)], axis: Axis
         .collect()
 }
 
-/// Effects that were tried and not taken.
-pub(super) fn rejected(request: &Request<'_>, outcome: &Outcome, effects: &[EffectAnswer]) -> Vec<Rejected> {
+/// Effects that were tried and not taken, or taken back.
+pub(super) fn rejected(
+    request: &Request<'_>,
+    outcome: &Outcome,
+    effects: &[EffectAnswer],
+    taken_back: &[&'static Effect],
+) -> Vec<Rejected> {
     let axis = request.machine.axis.kind;
     let open = outcome.trials.iter().filter(|trial| !effects.iter().any(|effect| effect.id == trial.effect.id));
-    open.map(|trial| Rejected { id: trial.effect.id.to_owned(), heldout_gain: trial.gain, why: why(trial, axis) })
-        .collect()
+    let why = |trial: &Trial| {
+        if taken_back.contains(&trial.effect) {
+            return "simulated windows fit as well without it".to_owned();
+        }
+        why(trial, axis)
+    };
+    open.map(|trial| Rejected { id: trial.effect.id.to_owned(), heldout_gain: trial.gain, why: why(trial) }).collect()
 }
 
 fn why(trial: &Trial, axis: AxisKind) -> String {

@@ -37,6 +37,8 @@ pub struct TimeFit {
     pub(crate) normals: Vec<DMatrix<f64>>,
     /// Of each block: derivatives by residual.
     pub(crate) scores: Vec<DVector<f64>>,
+    /// Of each recording, which the squares are in units of.
+    noise: Vec<Noise>,
 }
 
 impl TimeFit {
@@ -59,9 +61,10 @@ impl TimeFit {
         let mut gauge = Gauge { problem, tracks: Tracks::new(problem, recordings) };
         let count = places(start).len();
         let mut point = gauge.settled(gauge.first(start)?, 3)?;
+        let mut noise = Vec::new();
         for _ in 0..ROUNDS {
             for _ in 0..2 {
-                let noise = noises(&gauge, &point, resolution);
+                noise = noises(&gauge, &point, resolution);
                 gauge.tracks.weigh(&noise);
                 point = gauge.weighed(point);
             }
@@ -74,10 +77,30 @@ impl TimeFit {
             point = descend(&gauge, first, count)?;
         }
         let slopes = gauge.slopes(&point, true)?;
-        Ok(Self::of(&gauge, point, &slopes, start_sse, count))
+        Ok(Self::of(&gauge, point, &slopes, start_sse, noise))
     }
 
-    fn of(gauge: &Gauge<'_>, point: Point, slopes: &[Slopes], start_sse: f64, count: usize) -> Self {
+    /// The optimum without one of its effects, under the same weights, so that the squares of both compare.
+    ///
+    /// # Errors
+    /// Values that the plant refuses.
+    pub fn without(&self, problem: &Problem, recordings: &[Recording], index: usize) -> Result<Self, Error> {
+        let mut rest = self.active.clone();
+        rest.remove(index);
+        let fit = || {
+            let mut gauge = Gauge { problem, tracks: Tracks::new(problem, recordings) };
+            gauge.tracks.weigh(&self.noise);
+            let first = gauge.rescued(gauge.settled(gauge.first(&rest)?, 6)?)?;
+            let (start_sse, count) = (first.loss(), places(&rest).len());
+            let point = if count == 0 { first } else { descend(&gauge, first, count)? };
+            let slopes = gauge.slopes(&point, true)?;
+            Ok(Self::of(&gauge, point, &slopes, start_sse, self.noise.clone()))
+        };
+        fit().map_err(|error: plant::Error| Error::Usage(format!("the machine without one effect: {error}")))
+    }
+
+    fn of(gauge: &Gauge<'_>, point: Point, slopes: &[Slopes], start_sse: f64, noise: Vec<Noise>) -> Self {
+        let count = places(&point.active).len();
         let spans = &gauge.tracks.spans;
         let (normal, gradient) = sums(slopes, count);
         let total = gauge.problem.blocks;
@@ -109,6 +132,7 @@ impl TimeFit {
             active: point.active,
             normals,
             scores,
+            noise,
         }
     }
 }

@@ -11,7 +11,7 @@ pub const MIN_GAIN: f64 = 0.03;
 /// Largest p-value, after correction for every variant tried.
 pub const MAX_P: f64 = 1e-3;
 /// Least t of the improvement over blocks: what a few neighbouring residuals share is no evidence.
-const MIN_T: f64 = 3.0;
+pub(crate) const MIN_T: f64 = 3.0;
 
 /// An effect tried on top of others.
 #[derive(Debug, Clone)]
@@ -54,7 +54,8 @@ pub(super) fn paired_t(from: &Fit, to: &Fit) -> f64 {
     t_of_mean(&changes)
 }
 
-fn t_of_mean(changes: &[f64]) -> f64 {
+/// t of the mean of changes.
+pub(crate) fn t_of_mean(changes: &[f64]) -> f64 {
     let count = changes.len() as f64;
     if count < 2.0 {
         return 0.0;

@@ -5,15 +5,17 @@ use rayon::prelude::*;
 use super::{Noise, Path, twin};
 use crate::Error;
 use crate::decide::Request;
+use crate::decide::confirmed::missed;
 use crate::effects::Physics;
 use crate::read::{AxisKind, Recording};
+use crate::refit::TimeFit;
 use crate::screen::{Motion, Problem, Search};
 
 /// Seed of the twins that are searched; none of the floor's.
 pub(super) const SEED: u64 = 1_000_000;
 
-/// Effects that the first step of the search accepts on twins of the recordings, with the twins' own machine as the
-/// nominal: none, if the tool is right. Best first.
+/// Effects that the first step of the search accepts, and the time domain confirms, on twins of the recordings, with the
+/// twins' own machine as the nominal: none, if the tool is right. Best first.
 ///
 /// # Errors
 /// A machine that the plant refuses.
@@ -30,13 +32,20 @@ pub fn falsely_found(
         let (recording, motion) = (&recordings[index], &motions[index]);
         let path = Path::of(motion, 0, recording.rows());
         let twin = twin(machine, index, recording, path, &noises[index], seed)?;
-        Ok(Motion::new(&twin, machine, resolution).again(machine, index, resolution))
+        let motion = Motion::new(&twin, machine, resolution).again(machine, index, resolution);
+        Ok((twin, motion))
     });
-    let problem = Problem::new(each.collect::<Result<_, Error>>()?, recordings.len(), machine.clone());
+    let (twins, motions): (Vec<Recording>, Vec<Motion>) = each.collect::<Result<Vec<_>, Error>>()?.into_iter().unzip();
+    let problem = Problem::new(motions, twins.len(), machine.clone());
     if problem.equations.is_empty() {
         return Ok(Vec::new());
     }
     let linear = request.machine.axis.kind == AxisKind::Linear;
     let accepted = Search::new(&problem, request.vocabulary, linear).first_step();
-    Ok(accepted.into_iter().map(|trial| trial.effect.id).collect())
+    let confirmed = accepted.into_iter().filter(|trial| {
+        let with = TimeFit::new(&problem, &twins, &trial.fit.active, resolution);
+        // What cannot be simulated cannot be taken back either.
+        with.and_then(|with| Ok(missed(&with.without(&problem, &twins, 0)?, &with))).unwrap_or(true)
+    });
+    Ok(confirmed.map(|trial| trial.effect.id).collect())
 }

@@ -1,0 +1,76 @@
+//! Effects that the time domain does not confirm are taken back.
+//!
+//! The weak form is a model of the recording too, and where the noise is small its own errors look like a small effect. The
+//! plant has no such errors: what is there makes its windows worse when it is left out.
+
+use statrs::distribution::{ContinuousCDF, FisherSnedecor};
+
+use super::prepare::Searched;
+use super::{Refined, Request};
+use crate::effects::Effect;
+use crate::refit::TimeFit;
+use crate::screen::{MAX_P, MIN_T, Refitter, t_of_mean};
+
+/// An effect whose part in the prediction is larger is no error of the weak form.
+const PLAIN: f64 = 0.3;
+/// The one effect that is an event; its evidence is one place.
+const PULSE: &str = "disturbance_pulse";
+
+/// Refits what the search found, takes back what the windows do not miss, and gives what is left with what was taken back.
+pub(super) fn confirm(
+    request: &Request<'_>,
+    searched: &mut Searched,
+    notes: &mut Vec<String>,
+) -> (Refined, Vec<&'static Effect>) {
+    let mut taken_back = Vec::new();
+    loop {
+        let refined = refine(request, searched, notes);
+        let Some(index) = refined.time.as_ref().and_then(|time| unconfirmed(searched, time)) else {
+            return (refined, taken_back);
+        };
+        let mut rest = searched.outcome.fit.active.clone();
+        taken_back.push(rest.remove(index).effect);
+        searched.outcome.fit = Refitter::new(&searched.problem, &searched.outcome).fit(&rest);
+    }
+}
+
+/// The effects found, with values from the time domain where it holds.
+fn refine(request: &Request<'_>, searched: &Searched, notes: &mut Vec<String>) -> Refined {
+    let (problem, fit) = (&searched.problem, &searched.outcome.fit);
+    let inflation = Refitter::new(problem, &searched.outcome).inflation(fit);
+    let resolution = request.machine.axis.resolution;
+    Refined::new(problem, &searched.recordings[..problem.fitted], fit, inflation, resolution, notes)
+}
+
+/// The weakest of the effects that simulation does as well without.
+fn unconfirmed(searched: &Searched, time: &TimeFit) -> Option<usize> {
+    let (problem, fit) = (&searched.problem, &searched.outcome.fit);
+    let refitter = Refitter::new(problem, &searched.outcome);
+    let gain = |index: usize| {
+        let mut rest = fit.active.clone();
+        rest.remove(index);
+        1.0 - (fit.heldout_sse() / refitter.fit(&rest).heldout_sse().max(1e-300)).sqrt()
+    };
+    let candidates = (0..fit.active.len()).filter(|&index| fit.active[index].effect.id != PULSE);
+    let mut weak: Vec<(usize, f64)> = candidates.map(|index| (index, gain(index))).collect();
+    weak.retain(|(_, gain)| *gain < PLAIN);
+    weak.sort_by(|a, b| a.1.total_cmp(&b.1));
+    let recordings = &searched.recordings[..problem.fitted];
+    weak.into_iter()
+        .map(|(index, _)| index)
+        .find(|&index| time.without(problem, recordings, index).is_ok_and(|without| !missed(&without, time)))
+}
+
+/// Whether a fit in the time domain is missed in a smaller one: over all, and over blocks that were left out.
+pub(super) fn missed(without: &TimeFit, with: &TimeFit) -> bool {
+    let values = |fit: &TimeFit| fit.scores.first().map_or(0, |score| score.len());
+    let added = values(with).saturating_sub(values(without)).max(1) as f64;
+    let left = (with.freedom - values(with) as f64).max(1.0);
+    let statistic = (without.sse - with.sse).max(0.0) / added / (with.sse / left).max(1e-300);
+    let p_value = FisherSnedecor::new(added, left).map_or(1.0, |f| f.sf(statistic));
+    let pairs = without.heldout.iter().zip(&with.heldout).filter(|(a, b)| **a > 0.0 || **b > 0.0);
+    let changes: Vec<f64> = pairs.clone().map(|(a, b)| a - b).collect();
+    // In shares of each block's own too: an effect that shows in a few strong blocks is as certain.
+    let relative: Vec<f64> = pairs.map(|(a, b)| (a - b) / (a + b)).collect();
+    p_value < MAX_P && t_of_mean(&changes).max(t_of_mean(&relative)) >= MIN_T
+}
