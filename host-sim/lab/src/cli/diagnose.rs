@@ -40,6 +40,9 @@ pub struct Args {
     /// Threads; as many as there are cores by default.
     #[arg(long, value_name = "N")]
     jobs: Option<usize>,
+    /// Prints on standard error how long each stage took.
+    #[arg(long)]
+    stages: bool,
     /// Recordings to diagnose, CSV or Parquet.
     #[arg(required = true, value_name = "RECORDING")]
     recordings: Vec<PathBuf>,
@@ -64,6 +67,9 @@ pub fn run(args: &Args) -> Result<(), Error> {
     let (recordings, holdout) = (read(&args.recordings)?, read(&args.holdout)?);
     let request = Request { machine: &machine, recordings: &recordings, holdout: &holdout, vocabulary: &vocabulary };
     let mut diagnosis = diagnose(&request)?;
+    if args.stages {
+        diagnosis.stages.taken().iter().for_each(|(stage, took)| eprintln!("{stage:24} {:7.3} s", took.as_secs_f64()));
+    }
     if let (Some(file), Some(proposal), Some(experiment)) =
         (&args.experiment, &diagnosis.proposal, &mut diagnosis.answer.experiment)
     {

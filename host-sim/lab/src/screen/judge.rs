@@ -65,12 +65,19 @@ pub(crate) fn t_of_mean(changes: &[f64]) -> f64 {
     mean / (variance / count).sqrt().max(1e-300)
 }
 
-/// The same with each block's change relative to its size: an effect that shows in a few strong blocks is as certain as
-/// one that shows a little in all.
+/// A block of which less of its squares changes says nothing about an effect that shows elsewhere.
+const TOUCHED: f64 = 0.1;
+/// So many blocks must be touched for their own mean to count.
+const FEW: usize = 4;
+
+/// The same with each block's change relative to its size, over all blocks or over those that are touched at all: an effect
+/// that shows in a few strong blocks, as one of standstill does, is as certain as one that shows a little in all.
 pub(super) fn relative_t(from: &Fit, to: &Fit) -> f64 {
     let relative = |(a, b): (&f64, &f64)| (a + b > 0.0).then(|| (a - b) / (a + b));
     let changes: Vec<f64> = from.heldout.iter().zip(&to.heldout).filter_map(relative).collect();
-    t_of_mean(&changes)
+    let touched: Vec<f64> = changes.iter().copied().filter(|change| change.abs() > TOUCHED).collect();
+    let all = t_of_mean(&changes);
+    if touched.len() < FEW { all } else { all.max(t_of_mean(&touched)) }
 }
 
 /// F-test of an improvement, its freedom reduced by the correlation of neighbouring residuals (Newey-West, Bartlett).
