@@ -21,7 +21,7 @@ struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    /// Format, lints as errors, docs, the image, every test, a bounded run of every fuzz target, the emulated board; stops at the
+    /// Format, lints as errors, docs, the image, every test, the emulated board; stops at the
     /// first failure.
     Test,
     /// Builds the release image for the STM32F427 and prints what it takes of flash and RAM.

@@ -4,7 +4,7 @@ use std::process::Command;
 use std::time::Instant;
 
 use crate::run::{cargo, output, run};
-use crate::{firmware, fuzz, root};
+use crate::{firmware, root};
 
 /// Runs every step; one line each with its seconds, and a last line with all of them.
 ///
@@ -29,7 +29,6 @@ pub fn all() -> Result<(), String> {
     steps.cargo("tests", &["test", "--workspace"])?;
     steps.cargo("tests, release", &["test", "--workspace", "--release"])?;
     steps.step("firmware clippy", firmware::lint)?;
-    steps.step("fuzz", fuzz::bounded)?;
     let on_board = |arguments: &[&str]| cargo(&board, arguments);
     steps.run("board fmt", on_board(&["fmt", "--check"]))?;
     steps.run("board clippy", {
