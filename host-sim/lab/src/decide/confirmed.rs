@@ -45,6 +45,10 @@ fn refine(request: &Request<'_>, searched: &Searched, notes: &mut Vec<String>) -
 /// The weakest of the effects that simulation does as well without.
 fn unconfirmed(searched: &Searched, time: &TimeFit) -> Option<usize> {
     let (problem, fit) = (&searched.problem, &searched.outcome.fit);
+    // A load that bounces in its gap is where no window can know.
+    if problem.machine(&fit.active).load.is_some_and(|load| load.gap > 0.0) {
+        return None;
+    }
     let refitter = Refitter::new(problem, &searched.outcome);
     let gain = |index: usize| {
         let mut rest = fit.active.clone();

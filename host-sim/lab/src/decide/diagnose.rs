@@ -93,7 +93,8 @@ fn judge(
     let twins = Twins::of(request, searched, &diagnosis.improved);
     diagnosis.stages.done("twins");
     let Diagnosis { answer, nominal, improved, proposal, stages } = diagnosis;
-    answer.fit = fit_answer(request, searched, nominal, improved, &twins)?;
+    answer.fit = fit_answer(request, searched, (nominal, improved), &mut answer.effects, &twins)?;
+    answer.effects.sort_by(|a, b| b.evidence.heldout_gain.total_cmp(&a.evidence.heldout_gain));
     stages.done("windows");
     if answer.verdict != Verdict::Controller {
         answer.verdict = verdict(searched, &answer.effects, &answer.fit, &left, &twins);

@@ -5,36 +5,58 @@ use super::prepare::Searched;
 use super::twin::Twins;
 use crate::Error;
 use crate::effects::Physics;
-use crate::read::AxisKind;
+use crate::read::{AxisKind, Recording};
 use crate::refit::{HORIZON_S, Windows};
-use crate::report::FitAnswer;
+use crate::report::{EffectAnswer, FitAnswer};
 use crate::screen::Fit;
 
+/// The effect that is samples left out.
+const GLITCH: &str = "sensor_glitch";
+
 /// Windows of the nominal and the improved machine; without held-out recordings their share is that of blocks left out.
+/// Isolated wrong samples count against the nominal machine where `effects` name them, and are left out everywhere else.
+/// The evidence of that one effect, which no fit has, is given to it here.
 ///
 /// # Errors
 /// A recording too short for one window.
 pub(super) fn fit_answer(
     request: &Request<'_>,
     searched: &Searched,
-    nominal: &Physics,
-    improved: &Physics,
+    (nominal, improved): (&Physics, &Physics),
+    effects: &mut [EffectAnswer],
     twins: &Twins,
 ) -> Result<FitAnswer, Error> {
     let outcome = &searched.outcome;
-    let (fitted, holdout) = searched.recordings.split_at(request.recordings.len());
+    let repaired = repaired(searched);
+    let glitches = effects.iter_mut().find(|effect| effect.id == GLITCH);
+    let named = glitches.is_some();
+    let recorded = if named { &searched.recordings } else { &repaired };
+    let count = request.recordings.len();
     let resolution = request.machine.axis.resolution;
-    let rms = |physics, recordings, first| {
+    let rms = |physics, recordings: &[Recording], first| {
         Windows::new(physics, recordings, first, resolution, HORIZON_S).map(|windows| windows.rms())
     };
-    let (before, after) = (rms(nominal, fitted, 0)?, rms(improved, fitted, 0)?);
-    let (heldout_before, heldout_after) = if holdout.is_empty() {
+    let (before, after) = (rms(nominal, &recorded[..count], 0)?, rms(improved, &repaired[..count], 0)?);
+    let (heldout_before, heldout_after) = if request.holdout.is_empty() {
         let share = |fit: &Fit| (fit.heldout_sse() / fit.sse.max(1e-300)).sqrt();
         (before * share(&outcome.nominal), after * share(&outcome.fit))
     } else {
-        (rms(nominal, holdout, fitted.len())?, rms(improved, holdout, fitted.len())?)
+        (rms(nominal, &recorded[count..], count)?, rms(improved, &repaired[count..], count)?)
     };
+    if let Some(effect) = glitches {
+        // On held-out recordings where there are any, else on all.
+        let from = if request.holdout.is_empty() { 0 } else { count };
+        let left = rms(improved, &repaired[from..], from)? / rms(improved, &recorded[from..], from)?.max(1e-300);
+        effect.evidence.heldout_gain = 1.0 - left;
+    }
     let floor = outcome.fit.residual_count();
+    let excess_explained = match twins.noise_floor_rms {
+        // No torque is missing; what the windows lose is all there is.
+        Some(floor) if named && outcome.fit.active.is_empty() => {
+            explained(before * before, after * after, floor * floor)
+        }
+        _ => explained(outcome.nominal.sse, outcome.fit.sse, floor),
+    };
     let unit = if request.machine.axis.kind == AxisKind::Linear { "m" } else { "rad" };
     Ok(FitAnswer {
         before_rms: before,
@@ -42,10 +64,16 @@ pub(super) fn fit_answer(
         heldout_before_rms: heldout_before,
         heldout_after_rms: heldout_after,
         noise_floor_rms: twins.noise_floor_rms.unwrap_or(after * (floor / outcome.fit.sse.max(floor)).sqrt()),
-        excess_explained: explained(outcome.nominal.sse, outcome.fit.sse, floor),
+        excess_explained,
         unit: unit.to_owned(),
         horizon_s: HORIZON_S,
     })
+}
+
+/// The recordings without isolated wrong samples.
+fn repaired(searched: &Searched) -> Vec<Recording> {
+    let pairs = searched.recordings.iter().zip(&searched.problem.motions);
+    pairs.map(|(recording, motion)| Recording { position: motion.position.clone(), ..recording.clone() }).collect()
 }
 
 /// Share of the excess of a sum of squares over a floor that is gone, 1; 1 where there was none.

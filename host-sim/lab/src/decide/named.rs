@@ -8,7 +8,7 @@ use crate::read::{AxisKind, vocabulary};
 use crate::report::{EffectAnswer, Evidence, Interval, Rejected};
 use crate::screen::{Active, Fit, MAX_P, MIN_GAIN, Outcome, Problem, Refitter, Trial};
 
-/// Every effect of the best model with its evidence, strongest first.
+/// Every effect of the best model with its evidence.
 pub(super) fn effects(request: &Request<'_>, searched: &Searched, refined: &Refined) -> Vec<EffectAnswer> {
     let (problem, outcome) = (&searched.problem, &searched.outcome);
     let refitter = Refitter::new(problem, outcome);
@@ -16,7 +16,6 @@ pub(super) fn effects(request: &Request<'_>, searched: &Searched, refined: &Refi
     let mut effects: Vec<EffectAnswer> =
         each.map(|index| effect_answer(request, problem, &refitter, outcome, refined, index)).collect();
     effects.extend(glitches(request, problem));
-    effects.sort_by(|a, b| b.evidence.heldout_gain.total_cmp(&a.evidence.heldout_gain));
     effects
 }
 
