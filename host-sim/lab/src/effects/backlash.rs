@@ -15,9 +15,9 @@ pub static EFFECT: Effect = Effect {
     applies: always,
     starts: |_, e| {
         let mut all = Vec::new();
-        for gap in [5e-4, 2e-3, 8e-3] {
+        for gap in [2.5e-4, 5e-4, 1e-3, 2e-3, 4e-3, 8e-3] {
             for hz in [25.0, 60.0, 140.0] {
-                all.extend([0.2, 0.6].map(|ratio| vec![gap * e.travel.max(1e-6), hz, 0.05, ratio]));
+                all.extend([0.15, 0.4, 1.0].map(|ratio| vec![gap * e.travel.max(1e-6), hz, 0.05, ratio]));
             }
         }
         all

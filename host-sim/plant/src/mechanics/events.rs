@@ -55,22 +55,34 @@ impl Balance {
 /// Shortest advance of an event, s. It only acts where torques balance to the last bit and the location of the event
 /// has no digits left; the rotor moves less than 1e-17 rad in it.
 const LEAST_ADVANCE_S: f64 = 1e-11;
+/// Turns of a segment after which events crowd: a law that chatters between two regimes, each of which throws it back.
+const PATIENCE: i32 = 64;
+/// The shortest advance then doubles every so many turns, so that a segment always ends: chatter becomes its own mean.
+const TURNS_TO_DOUBLE: i32 = 4;
+
+/// Shortest advance of an event after so many turns within one segment, s.
+fn least_advance_s(turns: i32) -> f64 {
+    LEAST_ADVANCE_S * 2.0_f64.powi(((turns - PATIENCE) / TURNS_TO_DOUBLE).max(0))
+}
 
 /// Moves `x` from `from_s` to `to_s` within the segment; both count from its start.
 #[inline]
 pub(crate) fn run<F: Flow>(flow: &F, segment: &Segment, from_s: f64, to_s: f64, x: &mut State) {
     let mut t = from_s;
+    let mut turns = 0;
     flow.enter(segment, t, x);
     while t < to_s {
+        let least_s = least_advance_s(turns);
         t = match x.motion {
-            Motion::Stuck => rest(flow, segment, t, to_s, x),
-            Motion::Forward | Motion::Backward => slide(flow, segment, t, to_s, x),
+            Motion::Stuck => rest(flow, segment, (t, to_s), least_s, x),
+            Motion::Forward | Motion::Backward => slide(flow, segment, (t, to_s), least_s, x),
         };
+        turns += 1;
     }
 }
 
 /// Waits for break-away; returns the time reached. The rotor has not moved, but a load behind it may have.
-fn rest<F: Flow>(flow: &F, segment: &Segment, t: f64, to_s: f64, x: &mut State) -> f64 {
+fn rest<F: Flow>(flow: &F, segment: &Segment, (t, to_s): (f64, f64), least_s: f64, x: &mut State) -> f64 {
     let balance = flow.rest_balance(segment, t, x);
     x.motion = balance.motion();
     if x.motion != Motion::Stuck {
@@ -80,13 +92,13 @@ fn rest<F: Flow>(flow: &F, segment: &Segment, t: f64, to_s: f64, x: &mut State) 
     let longest = if flow.rest_is_monotone(segment) { f64::INFINITY } else { 0.25 * flow.longest_step(segment, t, x) };
     let (mut h, mut end) = cut(t, to_s, longest);
     let mut next = flow.step(segment, t, x, h);
-    if let Some(left) = leave_within(flow, segment, t, x, h, &next) {
+    if let Some(left) = leave_within(flow, segment, t, x, (h, least_s), &next) {
         (h, end, next) = (left.0, t + left.0, left.1);
     }
     let last = flow.rest_balance(segment, end, &next).margin();
     if last < 0.0 {
         let margin = |h: f64| flow.rest_balance(segment, t + h, &flow.step(segment, t, x, h)).margin();
-        let h = root(margin, (0.0, balance.margin()), (h, last)).max(LEAST_ADVANCE_S).min(h);
+        let h = root(margin, (0.0, balance.margin()), (h, last)).max(least_s).min(h);
         end = t + h;
         next = flow.step(segment, t, x, h);
         next.motion = Motion::along(flow.rest_balance(segment, end, &next).push);
@@ -104,24 +116,25 @@ fn cut(t: f64, to_s: f64, longest: f64) -> (f64, f64) {
 
 /// Slides until the first event or `to_s`; returns the time reached.
 #[inline]
-fn slide<F: Flow>(flow: &F, segment: &Segment, t: f64, to_s: f64, x: &mut State) -> f64 {
+fn slide<F: Flow>(flow: &F, segment: &Segment, (t, to_s): (f64, f64), least_s: f64, x: &mut State) -> f64 {
     let (mut h, mut end) = cut(t, to_s, flow.longest_step(segment, t, x));
     let mut next = flow.step(segment, t, x, h);
     let mut stop = stop_within(flow, segment, t, x, h, &next);
     match stop {
         Stop::Never => {}
         Stop::AtOnce { wait_s } => {
-            let wait_s = wait_s.max(LEAST_ADVANCE_S).min(to_s - t);
+            let wait_s = wait_s.max(least_s).min(to_s - t);
             (x.velocity, x.motion) = (0.0, Motion::Stuck);
             *x = flow.step(segment, t, x, wait_s);
             return t + wait_s;
         }
         Stop::After(stop_s) => {
+            let stop_s = stop_s.max(least_s).min(h);
             (h, end) = (stop_s, t + stop_s);
             next = flow.step(segment, t, x, h);
         }
     }
-    if let Some(left) = leave_within(flow, segment, t, x, h, &next) {
+    if let Some(left) = leave_within(flow, segment, t, x, (h, least_s), &next) {
         (end, next, stop) = (t + left.0, left.1, Stop::Never);
     }
     *x = next;
@@ -135,7 +148,14 @@ fn slide<F: Flow>(flow: &F, segment: &Segment, t: f64, to_s: f64, x: &mut State)
 
 /// The end of the regime within a step of `h`, if it ends there: when, and the state in the next regime.
 #[inline]
-fn leave_within<F: Flow>(flow: &F, segment: &Segment, t: f64, x: &State, h: f64, next: &State) -> Option<(f64, State)> {
+fn leave_within<F: Flow>(
+    flow: &F,
+    segment: &Segment,
+    t: f64,
+    x: &State,
+    (h, least_s): (f64, f64),
+    next: &State,
+) -> Option<(f64, State)> {
     let last = flow.guard(segment, t + h, next);
     if last >= 0.0 {
         return None;
@@ -144,7 +164,7 @@ fn leave_within<F: Flow>(flow: &F, segment: &Segment, t: f64, x: &State, h: f64,
     let guard = |h: f64| flow.guard(segment, t + h, &flow.step(segment, t, x, h));
     // A state that has just come in over one edge stands on it, and leaves over another later: the way in is no exit.
     let inside = if first > 0.0 { Some((0.0, first)) } else { just_inside(&guard, h) };
-    let h = inside.map_or(0.0, |inside| root(guard, inside, (h, last))).max(LEAST_ADVANCE_S).min(h);
+    let h = inside.map_or(0.0, |inside| root(guard, inside, (h, last))).max(least_s).min(h);
     let mut state = flow.step(segment, t, x, h);
     flow.leave_regime(segment, t + h, &mut state);
     Some((h, state))
