@@ -6,6 +6,9 @@ use super::problem::{Active, Parts, Problem};
 use super::simplex::minimise;
 use crate::effects::Range;
 
+/// Points of a scan to either side.
+const SCANNED: i32 = 20;
+
 /// A hypothesis at its optimum.
 #[derive(Debug, Clone)]
 pub struct Fit {
@@ -163,6 +166,20 @@ impl Fitter<'_> {
         let cost = |logs: &DVector<f64>| self.residual(&at(logs), Some(&base.parts)).0.norm_squared();
         let (sse, logs) = minimise(&start, evaluations, cost);
         (sse, at(&logs))
+    }
+
+    /// The best first value of the last effect on a geometric row over a decade either way, the others as they are: impacts
+    /// lock a gap to where it began, and no slope leads out.
+    pub(crate) fn scan(&self, active: &[Active], base: &Base) -> (f64, Vec<Active>) {
+        let tried = (-SCANNED..=SCANNED).filter_map(|k| {
+            let mut moved = active.to_vec();
+            let entry = moved.last_mut()?;
+            let factor = 10.0_f64.powf(f64::from(k) / f64::from(SCANNED));
+            let value = entry.values.first_mut()?;
+            *value = (*value * factor).clamp(entry.ranges[0].low, entry.ranges[0].high);
+            Some((self.residual(&moved, Some(&base.parts)).0.norm_squared(), moved))
+        });
+        tried.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((f64::INFINITY, active.to_vec()))
     }
 
     /// What a hypothesis shares with those that add to it.

@@ -157,7 +157,9 @@ impl<'a> Search<'a> {
             // Where nothing on the grid is better than none of it, the rest is not worth the time.
             glimpsed.truncate(if glimpsed.first().is_some_and(|best| best.0 < base.sse) { FINALISTS } else { 1 });
             for (sse, entry) in glimpsed.iter_mut().filter(|glimpsed| glimpsed.0 < base.sse) {
-                let (low, mut reached) = fitter.feel(&with(entry), known, FEELS);
+                let (_, felt) = fitter.feel(&with(entry), known, FEELS);
+                let (_, scanned) = fitter.scan(&felt, known);
+                let (low, mut reached) = fitter.feel(&scanned, known, FEELS);
                 if let Some(found) = reached.pop().filter(|_| low < *sse) {
                     (*sse, *entry) = (low, found);
                 }
