@@ -24,14 +24,34 @@ pub(super) fn confirm(
 ) -> (Refined, Vec<&'static Effect>) {
     let mut taken_back = Vec::new();
     loop {
+        if let Some(index) = insignificant(searched) {
+            taken_back.push(take_back(searched, index));
+            continue;
+        }
         let refined = refine(request, searched, notes);
         let Some(index) = refined.time.as_ref().and_then(|time| unconfirmed(searched, time)) else {
             return (refined, taken_back);
         };
-        let mut rest = searched.outcome.fit.active.clone();
-        taken_back.push(rest.remove(index).effect);
-        searched.outcome.fit = Refitter::new(&searched.problem, &searched.outcome).fit(&rest);
+        taken_back.push(take_back(searched, index));
     }
+}
+
+fn take_back(searched: &mut Searched, index: usize) -> &'static Effect {
+    let mut rest = searched.outcome.fit.active.clone();
+    let effect = rest.remove(index).effect;
+    searched.outcome.fit = Refitter::new(&searched.problem, &searched.outcome).fit(&rest);
+    effect
+}
+
+/// An effect that was significant when it was found, and is not beside those that were found later.
+fn insignificant(searched: &Searched) -> Option<usize> {
+    let outcome = &searched.outcome;
+    let refitter = Refitter::new(&searched.problem, outcome);
+    (0..outcome.fit.active.len()).find(|&index| {
+        let mut rest = outcome.fit.active.clone();
+        rest.remove(index);
+        refitter.p_value(&refitter.fit(&rest), &outcome.fit) * outcome.variants as f64 >= MAX_P
+    })
 }
 
 /// The effects found, with values from the time domain where it holds.
@@ -55,26 +75,33 @@ fn unconfirmed(searched: &Searched, time: &TimeFit) -> Option<usize> {
         rest.remove(index);
         1.0 - (fit.heldout_sse() / refitter.fit(&rest).heldout_sse().max(1e-300)).sqrt()
     };
-    let candidates = (0..fit.active.len()).filter(|&index| fit.active[index].effect.id != PULSE);
-    let mut weak: Vec<(usize, f64)> = candidates.map(|index| (index, gain(index))).collect();
+    let mut weak: Vec<(usize, f64)> = (0..fit.active.len()).map(|index| (index, gain(index))).collect();
     weak.retain(|(_, gain)| *gain < PLAIN);
     weak.sort_by(|a, b| a.1.total_cmp(&b.1));
     let recordings = &searched.recordings[..problem.fitted];
+    let is_missed = |index: usize, without: &TimeFit| {
+        // No block but its own misses an event.
+        if fit.active[index].effect.id == PULSE { improvement(without, time) < MAX_P } else { missed(without, time) }
+    };
     weak.into_iter()
         .map(|(index, _)| index)
-        .find(|&index| time.without(problem, recordings, index).is_ok_and(|without| !missed(&without, time)))
+        .find(|&index| time.without(problem, recordings, index).is_ok_and(|without| !is_missed(index, &without)))
 }
 
-/// Whether a fit in the time domain is missed in a smaller one: over all, and over blocks that were left out.
-pub(super) fn missed(without: &TimeFit, with: &TimeFit) -> bool {
+/// p-value of what a fit in the time domain gains over a smaller one.
+fn improvement(without: &TimeFit, with: &TimeFit) -> f64 {
     let values = |fit: &TimeFit| fit.scores.first().map_or(0, |score| score.len());
     let added = values(with).saturating_sub(values(without)).max(1) as f64;
     let left = (with.freedom - values(with) as f64).max(1.0);
     let statistic = (without.sse - with.sse).max(0.0) / added / (with.sse / left).max(1e-300);
-    let p_value = FisherSnedecor::new(added, left).map_or(1.0, |f| f.sf(statistic));
+    FisherSnedecor::new(added, left).map_or(1.0, |f| f.sf(statistic))
+}
+
+/// Whether a fit in the time domain is missed in a smaller one: over all, and over blocks that were left out.
+pub(super) fn missed(without: &TimeFit, with: &TimeFit) -> bool {
     let pairs = without.heldout.iter().zip(&with.heldout).filter(|(a, b)| **a > 0.0 || **b > 0.0);
     let changes: Vec<f64> = pairs.clone().map(|(a, b)| a - b).collect();
     // In shares of each block's own too: an effect that shows in a few strong blocks is as certain.
     let relative: Vec<f64> = pairs.map(|(a, b)| (a - b) / (a + b)).collect();
-    p_value < MAX_P && t_of_mean(&changes).max(t_of_mean(&relative)) >= MIN_T
+    improvement(without, with) < MAX_P && t_of_mean(&changes).max(t_of_mean(&relative)) >= MIN_T
 }

@@ -8,7 +8,13 @@ pub static EFFECT: Effect = Effect {
     sentence: "The position sensor errs with the angle: a resolver or encoder disc mounted off centre, or unequal windings.",
     parameters: &[fixed(), sized(Size::Travel, -0.1, 0.1, 1e-4), sized(Size::Travel, -0.1, 0.1, 1e-4)],
     applies: always,
-    starts: |_, e| e.orders.iter().map(|&order| vec![order, 1e-4, 1e-4]).collect(),
+    // The error scales the acceleration, which no spectrum of the torque over the angle shows: the low orders are always
+    // tried.
+    starts: |_, e| {
+        let low = (1..=8).map(f64::from).filter(|order| !e.linear && order * e.travel > 1.0);
+        let others = e.orders.iter().copied().filter(|order| e.linear || *order > 8.0);
+        low.chain(others).map(|order| vec![order, 1e-4, 1e-4]).collect()
+    },
     put: |p, v| p.eccentricity = Some(Harmonic { order: v[0], sine: v[1], cosine: v[2] }),
     report: amplitude_order_phase,
 };
