@@ -8,11 +8,15 @@ use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 use super::prepare::Searched;
 use super::{Refined, Request};
 use crate::effects::Effect;
-use crate::refit::TimeFit;
-use crate::screen::{MAX_P, MIN_T, Refitter, t_of_mean};
+use crate::refit::{HORIZON_S, TimeFit, Windows};
+use crate::screen::{Active, MAX_P, MIN_T, Refitter, t_of_mean};
 
 /// An effect whose part in the prediction is larger is no error of the weak form.
 const PLAIN: f64 = 0.3;
+/// What is there shows in the windows as they are reported too, not only in their white noise.
+const FALLS_TO: f64 = 0.995;
+/// A gap is four values that bend to any roughness; it must be worth them.
+const GAP_FALLS_TO: f64 = 0.9;
 /// The one effect that is an event; its evidence is one place.
 const PULSE: &str = "disturbance_pulse";
 
@@ -29,7 +33,7 @@ pub(super) fn confirm(
             continue;
         }
         let refined = refine(request, searched, notes);
-        let Some(index) = refined.time.as_ref().and_then(|time| unconfirmed(searched, time)) else {
+        let Some(index) = refined.time.as_ref().and_then(|time| unconfirmed(request, searched, time)) else {
             return (refined, taken_back);
         };
         taken_back.push(take_back(searched, index));
@@ -63,29 +67,38 @@ fn refine(request: &Request<'_>, searched: &Searched, notes: &mut Vec<String>) -
 }
 
 /// The weakest of the effects that simulation does as well without.
-fn unconfirmed(searched: &Searched, time: &TimeFit) -> Option<usize> {
+fn unconfirmed(request: &Request<'_>, searched: &Searched, time: &TimeFit) -> Option<usize> {
     let (problem, fit) = (&searched.problem, &searched.outcome.fit);
-    // A load that bounces in its gap is where no window can know.
-    if problem.machine(&fit.active).load.is_some_and(|load| load.gap > 0.0) {
-        return None;
-    }
     let refitter = Refitter::new(problem, &searched.outcome);
-    let gain = |index: usize| {
+    let recordings = &searched.recordings[..problem.fitted];
+    let resolution = request.machine.axis.resolution;
+    let rms = |active: &[Active]| {
+        Windows::new(&problem.machine(active), recordings, 0, resolution, HORIZON_S).map(|windows| windows.rms())
+    };
+    let falls = |without: &[Active], to: f64| -> bool {
+        rms(without).and_then(|before| Ok(rms(&time.active)? < to * before)).unwrap_or(true)
+    };
+    let rest = |index: usize| {
         let mut rest = fit.active.clone();
         rest.remove(index);
-        1.0 - (fit.heldout_sse() / refitter.fit(&rest).heldout_sse().max(1e-300)).sqrt()
+        refitter.fit(&rest)
     };
+    // A load that bounces in its gap is where no window can know: neither its slopes nor its squares are to be believed,
+    // but the whole must come nearer.
+    if let Some(gap) = fit.active.iter().position(|entry| entry.effect.id == "backlash") {
+        return (!falls(&rest(gap).active, GAP_FALLS_TO)).then_some(gap);
+    }
+    let gain = |index: usize| 1.0 - (fit.heldout_sse() / rest(index).heldout_sse().max(1e-300)).sqrt();
     let mut weak: Vec<(usize, f64)> = (0..fit.active.len()).map(|index| (index, gain(index))).collect();
     weak.retain(|(_, gain)| *gain < PLAIN);
     weak.sort_by(|a, b| a.1.total_cmp(&b.1));
-    let recordings = &searched.recordings[..problem.fitted];
-    let is_missed = |index: usize, without: &TimeFit| {
+    weak.into_iter().map(|(index, _)| index).find(|&index| {
+        let Ok(without) = time.without(problem, recordings, index) else { return false };
         // No block but its own misses an event.
-        if fit.active[index].effect.id == PULSE { improvement(without, time) < MAX_P } else { missed(without, time) }
-    };
-    weak.into_iter()
-        .map(|(index, _)| index)
-        .find(|&index| time.without(problem, recordings, index).is_ok_and(|without| !is_missed(index, &without)))
+        let event = fit.active[index].effect.id == PULSE;
+        let missed = if event { improvement(&without, time) < MAX_P } else { missed(&without, time) };
+        !missed || !falls(&without.active, FALLS_TO)
+    })
 }
 
 /// p-value of what a fit in the time domain gains over a smaller one.
