@@ -13,6 +13,7 @@ pub(crate) mod testing;
 mod window;
 
 pub use commands::recorded_commands;
+pub(crate) use commands::unsettled;
 pub use map::{Bin, Channel, Map};
 pub use noise::sensor_noise;
 pub use orders::{Order, Orders};

@@ -3,7 +3,7 @@
 use plant::{Command, Mechanics, Model, State, Timeline};
 use rayon::prelude::*;
 
-use super::commands::recorded_commands;
+use super::commands::{recorded_commands, unsettled};
 use super::start_state::{StartState, curvature, line, speed_at};
 use crate::Error;
 use crate::progress::Progress;
@@ -115,12 +115,18 @@ pub fn residual_from(
     Ok(Residual { horizon_s, windows: windows.map_err(unusable)? })
 }
 
-/// Rows of back-to-back windows; a window that would cross a gap, or hold fewer than eight rows, is left out.
+/// Rows of back-to-back windows; a window that would cross a gap, hold fewer than eight rows, or begin where commands lost in
+/// a gap still act, is left out.
 pub(crate) fn spans(recording: &Recording, horizon_s: f64) -> Vec<(usize, usize)> {
     let t_s = &recording.t_s;
+    let unsettled = unsettled(recording);
     let mut spans = Vec::new();
     let mut start = 0;
     while start < t_s.len() {
+        if unsettled[start] {
+            start += 1;
+            continue;
+        }
         // A row that only rounding puts before the end belongs to the next window.
         let until_s = t_s[start] + horizon_s * (1.0 - 1e-9);
         let in_time = t_s[start..].partition_point(|t| *t < until_s) + start;
@@ -188,9 +194,9 @@ mod tests {
         torn.t_s.iter_mut().skip(50).for_each(|t_s| *t_s += 0.007);
         torn.gaps = vec![49];
         let spans = spans(&torn, 0.02);
-        assert_eq!(spans, [(0, 20), (20, 40), (50, 70), (70, 90)]);
+        assert_eq!(spans, [(0, 20), (20, 40), (80, 100)], "what was commanded in the gap acts for 30 ms");
         torn.gaps = vec![39, 49];
-        assert_eq!(super::spans(&torn, 0.02), [(0, 20), (50, 70), (70, 90)], "nor one that ends right before it");
+        assert_eq!(super::spans(&torn, 0.02), [(0, 20), (80, 100)], "nor one that ends right before it");
     }
 
     #[test]

@@ -13,6 +13,10 @@ pub const MAX_P: f64 = 1e-3;
 /// Least t of the improvement over blocks: what a few neighbouring residuals share is no evidence.
 pub(crate) const MIN_T: f64 = 3.0;
 
+/// t from which a fit is worse than another: of three ways to take it the largest, so that 2.5 is passed by one in a
+/// hundred fits that are as good.
+const WORSE_T: f64 = 2.5;
+
 /// An effect tried on top of others.
 #[derive(Debug, Clone)]
 pub struct Trial {
@@ -43,7 +47,7 @@ impl Trial {
 /// Whether `fit` predicts the blocks significantly worse than `best`: paired over blocks, in squares or in shares of each
 /// block's own, and by more than a hair.
 pub fn worse(fit: &Fit, best: &Fit) -> bool {
-    paired_t(fit, best).max(relative_t(fit, best)) > 2.0
+    paired_t(fit, best).max(relative_t(fit, best)) > WORSE_T
         && fit.heldout_sse() - best.heldout_sse() > 0.01 * best.heldout_sse()
 }
 

@@ -5,6 +5,7 @@ use super::balance;
 use super::smoother::{Smoothed, smooth};
 use crate::effects::Physics;
 use crate::read::{Mode, Recording};
+use crate::residual::unsettled;
 
 /// Samples lost in a row that the held command may bridge; longer gaps end every window.
 const BRIDGED_S: f64 = 3e-3;
@@ -80,7 +81,10 @@ impl Motion {
         let drag = nominal_drag(recording, nominal, &sign, &first.position);
         let second = smooth(&t_s, &position, &acceleration(&drag), resolution);
         let (cell_sign, at_rest) = directions(&t_s, &second, &passes, &still, resolution);
-        let broken = t_s.windows(2).map(|pair| pair[1] - pair[0] > BRIDGED_S.max(2.6 * period_s)).collect();
+        let unsettled = unsettled(recording);
+        let steps = t_s.windows(2).zip(&unsettled);
+        let broken =
+            steps.map(|(pair, unsettled)| *unsettled || pair[1] - pair[0] > BRIDGED_S.max(2.6 * period_s)).collect();
         let mut motion = Self {
             name: recording.name.clone(),
             cell_position: Vec::new(),

@@ -6,13 +6,13 @@ use crate::cases::{answer, recordings};
 
 #[test]
 fn nothing_is_named_where_nothing_is_missing() {
-    let answer = answer(&recordings(&|_| (), 11, 0.05, &[]), "");
+    let answer = answer(&recordings(&|_| (), 11, 0.05), "");
     assert_eq!(answer.verdict, Verdict::None, "{answer:?}");
 }
 
 #[test]
 fn dry_friction_is_named_alone_and_its_interval_holds_the_truth() {
-    let answer = answer(&recordings(&|model| model.coulomb = 0.95, 12, 0.05, &[]), "");
+    let answer = answer(&recordings(&|physics| physics.coulomb = 0.95, 12, 0.05), "");
     assert_eq!(answer.verdict, Verdict::Named, "{answer:?}");
     assert_eq!(answer.effects.len(), 1, "{answer:?}");
     let effect = &answer.effects[0];

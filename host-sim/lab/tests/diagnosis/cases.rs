@@ -3,11 +3,11 @@
 use er_servo::Config;
 use er_servo::experiment::{Experiment, Shape};
 use lab::decide::{Request, diagnose};
-use lab::effects::VOCABULARY;
+use lab::effects::{Physics, VOCABULARY};
 use lab::read::{Axis, AxisKind, ErNominal, Machine, PlantNominal, Recording};
+use lab::refit::model;
 use lab::report::Answer;
-use lab::simulate::{Disturbance, Reference, Setup, record, run};
-use plant::Model;
+use lab::simulate::{Reference, Setup, record, run};
 
 /// The default machine of the specification.
 pub fn machine(resolution: f64) -> Machine {
@@ -33,40 +33,39 @@ pub fn machine(resolution: f64) -> Machine {
 /// Step of the resolver, rad.
 pub const COUNT_RAD: f64 = std::f64::consts::TAU / 491_520.0;
 
-/// Three recordings of a machine: two to fit, one held out.
-pub fn recordings(
-    change: &dyn Fn(&mut Model),
-    seed: u64,
-    torque_noise_nm: f64,
-    disturbances: &[Disturbance],
-) -> Vec<Recording> {
-    let mut model = lab::refit::model(&lab::effects::Physics::of(&machine(COUNT_RAD), &[]).unwrap(), 0);
-    change(&mut model);
+/// The default machine in numbers.
+pub fn nominal() -> Physics {
+    Physics::of(&machine(COUNT_RAD), &[]).unwrap()
+}
+
+/// Three recordings of 8 s of a machine: two to fit, one held out.
+pub fn recordings(change: &dyn Fn(&mut Physics), seed: u64, torque_noise_nm: f64) -> Vec<Recording> {
+    let mut physics = nominal();
+    change(&mut physics);
+    recorded(&physics, seed, torque_noise_nm, 8.0)
+}
+
+/// The same of a given length.
+pub fn recorded(physics: &Physics, seed: u64, torque_noise_nm: f64, duration_s: f32) -> Vec<Recording> {
     let shapes = [
         Shape::Steps { amplitude_rad: 0.9, dwell_s: 0.5, seed: seed as u32 + 1 },
         Shape::Multisine { amplitude_rad: 0.5, low_hz: 0.2, high_hz: 3.0, tones: 8 },
         Shape::Steps { amplitude_rad: 0.6, dwell_s: 0.4, seed: seed as u32 + 77 },
     ];
-    let names = ["a.csv", "b.csv", "c.csv"];
-    shapes
-        .into_iter()
-        .zip(names)
-        .enumerate()
-        .map(|(index, (shape, name))| {
-            let setup = Setup {
-                model: model.clone(),
-                config: Config::default(),
-                disturbances: if index == 0 { disturbances.to_vec() } else { Vec::new() },
-                sensor_noise_rad: 0.0,
-                torque_noise_nm,
-                seed: seed * 10 + index as u64,
-            };
-            let experiment = Experiment { shape, duration_s: 8.0 };
-            let reference = Reference::Experiment(experiment);
-            let positions = reference.positions(5e-4).unwrap();
-            record(name, &run(&setup, positions).unwrap())
-        })
-        .collect()
+    let named = shapes.into_iter().zip(["a.csv", "b.csv", "c.csv"]).enumerate();
+    let record_one = |(index, (shape, name)): (usize, (Shape, &str))| {
+        let setup = Setup {
+            model: model(physics, index),
+            config: Config::default(),
+            disturbances: Vec::new(),
+            sensor_noise_rad: 0.0,
+            torque_noise_nm,
+            seed: seed * 10 + index as u64,
+        };
+        let reference = Reference::Experiment(Experiment { shape, duration_s });
+        record(name, &run(&setup, reference.positions(5e-4).unwrap()).unwrap())
+    };
+    named.map(record_one).collect()
 }
 
 /// Diagnoses two recordings with the third held out.

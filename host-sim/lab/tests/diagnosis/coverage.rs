@@ -2,26 +2,16 @@
 
 use lab::decide::{Request, diagnose};
 use lab::effects::find;
-use plant::effects::Stribeck;
-use plant::{FluidResponse, Model};
 
 use crate::cases::{COUNT_RAD, machine, recordings};
 
-type Change = fn(&mut Model);
-
-/// Effect, its true values, and the change of the plant.
-const CASES: [(&str, &[f64], Change); 5] = [
-    ("coulomb_friction", &[0.80], |model| model.coulomb = 0.80),
-    ("field_lag", &[0.0036], |model| {
-        if let Some(er) = &mut model.er
-            && let FluidResponse::Field(field) = &mut er.response
-        {
-            (field.rise_s, field.fall_s) = (0.0036, 0.0036);
-        }
-    }),
-    ("torque_gain", &[0.985], |model| model.torque_gain = 0.985),
-    ("stribeck_friction", &[0.5, 0.1], |model| model.stribeck = Some(Stribeck { excess: 0.5, velocity: 0.1 })),
-    ("viscous_friction", &[0.02], |model| model.viscous = 0.02),
+/// Effect with its values.
+const CASES: [(&str, &[f64]); 5] = [
+    ("coulomb_friction", &[0.80]),
+    ("field_lag", &[0.0036]),
+    ("torque_gain", &[0.985]),
+    ("stribeck_friction", &[0.5, 0.1]),
+    ("viscous_friction", &[0.02]),
 ];
 
 #[test]
@@ -32,7 +22,7 @@ fn coverage_of_intervals() {
     };
     let (first, seeds, noise) = (number("FIRST", 1.0) as u64, number("SEEDS", 20.0) as u64, number("NOISE", 0.05));
     let only = std::env::var("CASE").ok();
-    for (id, truth, change) in CASES {
+    for (id, truth) in CASES {
         if only.as_ref().is_some_and(|only| !only.split(',').any(|o| o == id)) {
             continue;
         }
@@ -40,7 +30,7 @@ fn coverage_of_intervals() {
         let mut sums = vec![[0.0; 4]; truth.len()];
         let mut named = 0;
         for seed in first..first + seeds {
-            let files = recordings(&change, 100 + seed, noise, &[]);
+            let files = recordings(&|physics| (find(id).unwrap().put)(physics, truth), 100 + seed, noise);
             let machine = machine(COUNT_RAD);
             let vocabulary = [find(id).unwrap()];
             let request = Request { machine: &machine, recordings: &files[..2], holdout: &[], vocabulary: &vocabulary };

@@ -5,5 +5,5 @@ mod answers;
 mod cases;
 mod coverage;
 mod real;
-mod score;
+mod singles;
 mod size;

@@ -21,7 +21,7 @@ fn peak_mb() -> Option<f64> {
 #[test]
 #[ignore = "measures the process: cargo test --release -p lab --test diagnosis size::three -- --ignored --nocapture"]
 fn three_recordings_of_eight_seconds_take_less_than_500_mb() {
-    let files = recordings(&|model| model.coulomb = 0.95, 12, 0.05, &[]);
+    let files = recordings(&|physics| physics.coulomb = 0.95, 12, 0.05);
     let begun = std::time::Instant::now();
     let answer = answer(&files, "");
     let Some(peak_mb) = peak_mb() else {
