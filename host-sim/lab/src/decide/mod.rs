@@ -1,6 +1,7 @@
 //! The decision: intervals, equivalents, what is left over, and the verdict.
 
 mod checks;
+mod closest;
 mod controller;
 mod diagnose;
 mod equivalents;
@@ -16,5 +17,6 @@ mod verdict;
 
 pub use diagnose::{Diagnosis, Request, diagnose};
 pub use equivalents::equivalents;
+pub(crate) use fitted::explained;
 pub use intervals::{Covariance, intervals};
 pub use refined::Refined;

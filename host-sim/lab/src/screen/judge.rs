@@ -54,7 +54,7 @@ pub(super) fn paired_t(from: &Fit, to: &Fit) -> f64 {
     t_of_mean(&changes)
 }
 
-fn t_of_mean(changes: &[f64]) -> f64 {
+pub(crate) fn t_of_mean(changes: &[f64]) -> f64 {
     let count = changes.len() as f64;
     if count < 2.0 {
         return 0.0;

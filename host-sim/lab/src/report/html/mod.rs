@@ -12,6 +12,7 @@ mod words;
 
 pub use data::PlotData;
 use maps::{Band, MapPlot};
+pub(crate) use words::number;
 
 use crate::Error;
 use crate::report::Answer;

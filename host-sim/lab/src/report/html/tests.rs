@@ -65,7 +65,15 @@ fn answer(verdict: Verdict) -> Answer {
             reference_csv: Some(hostile.clone()),
         }),
         warnings: vec![hostile.clone()],
-        residual_map: vec![ResidualMap { channel: hostile, at: vec![0.0], mean: vec![0.1], band: vec![0.01] }],
+        residual_map: vec![ResidualMap {
+            channel: hostile,
+            at: vec![0.0],
+            mean: vec![0.1],
+            band: vec![0.01],
+            predicts: 0.4,
+        }],
+        formula: None,
+        closest: None,
     }
 }
 
