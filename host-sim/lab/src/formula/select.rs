@@ -2,17 +2,14 @@
 
 use nalgebra::DVector;
 use rayon::prelude::*;
-use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use super::columns::{Columns, Held};
 use super::terms::Term;
 use crate::read::AxisKind;
-use crate::screen::{MIN_GAIN, t_of_mean};
+use crate::screen::{MAX_P, MIN_GAIN, MIN_T, f_test, t_of_mean};
 
 /// Terms at most.
 const MAX_TERMS: usize = 4;
-/// Largest p of the improvement over blocks, after correction for every term tried.
-const MAX_P: f64 = 1e-3;
 /// Halvings of the step when the parameter of a term is fitted.
 const HALVINGS: usize = 7;
 /// Terms that predict within this share of the best one's held-out squares are as good; the simplest is taken.
@@ -40,7 +37,7 @@ pub(super) fn select(columns: &Columns<'_>, candidates: &[Term], axis: AxisKind)
     let mut best = Set { terms: Vec::new(), columns: Vec::new(), held: columns.nothing() };
     while best.terms.len() < MAX_TERMS {
         let Some(next) = best_with(columns, &best, candidates, axis) else { break };
-        if !accepted(&best.held, &next.held, candidates.len()) {
+        if !accepted(columns, &best, &next, candidates.len()) {
             break;
         }
         best = exchanged(columns, next, candidates, axis);
@@ -99,22 +96,25 @@ fn fitted(columns: &Columns<'_>, base: &Set, term: Term, axis: AxisKind) -> Set 
     with(columns, base, best.1)
 }
 
-/// Whether one term more is more than chance: less held-out error in blocks and recordings, certain over blocks.
-fn accepted(before: &Held, after: &Held, tried: usize) -> bool {
+/// Whether one term more is more than chance, by the rules of the screen: less held-out error in blocks and recordings,
+/// significant under coloured residuals after correction for every term tried, and certain over blocks.
+fn accepted(columns: &Columns<'_>, before: &Set, after: &Set, tried: usize) -> bool {
     // Squares fall twice as fast as their root.
-    let gain = 1.0 - (1.0 - after.squares_less(before)).max(0.0).sqrt();
-    gain >= MIN_GAIN && p_over_blocks(before, after) * (tried as f64) < MAX_P
+    let gain = 1.0 - (1.0 - after.held.squares_less(&before.held)).max(0.0).sqrt();
+    let (found, _) = columns.solve(&after.columns);
+    let left = columns.left(&after.columns, &found, &(0..columns.residual.len()));
+    let (_, squares) = columns.solve(&before.columns);
+    let free = after.columns.len();
+    let p = f_test(columns.problem, squares, &left, (free - before.columns.len(), free));
+    gain >= MIN_GAIN && p * (tried as f64) < MAX_P && t_over_blocks(&before.held, &after.held) >= MIN_T
 }
 
-/// One-sided p of the fall of the held-out squares, each block's relative to its size.
-fn p_over_blocks(before: &Held, after: &Held) -> f64 {
+/// t of the fall of the held-out squares, paired over blocks, in squares or in shares of each block's own.
+fn t_over_blocks(before: &Held, after: &Held) -> f64 {
     let pairs = before.blocks.iter().zip(&after.blocks).filter(|(a, b)| *a + *b > 0.0);
     let squares: Vec<f64> = pairs.clone().map(|(a, b)| a - b).collect();
     let shares: Vec<f64> = pairs.map(|(a, b)| (a - b) / (a + b)).collect();
-    let freedom = squares.len() as f64 - 1.0;
-    let Ok(t) = StudentsT::new(0.0, 1.0, freedom.max(1.0)) else { return 1.0 };
-    // Two tests, the better of them.
-    2.0 * t.sf(t_of_mean(&squares)).min(t.sf(t_of_mean(&shares)))
+    t_of_mean(&squares).max(t_of_mean(&shares))
 }
 
 /// Replaces a term by another where that predicts better.
