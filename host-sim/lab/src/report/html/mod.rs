@@ -39,6 +39,7 @@ pub fn page(machine: &str, answer: &Answer, plot: &PlotData) -> Result<String, E
     let body = [
         sections::warnings(answer),
         sections::effects(answer),
+        sections::unexplained(answer),
         sections::fit(answer),
         sections::curves(plot),
         sections::located(answer, plot),
