@@ -9,6 +9,9 @@ use crate::read::AxisKind;
 use crate::report::Closest;
 use crate::screen::{Active, Fit, Refitter};
 
+/// Less than this share of the excess left is nothing to point at, 1.
+const LITTLE: f64 = 0.02;
+
 /// The single effect that explains most of the excess, of those tried and those of the best model; none where nothing was
 /// tried or nothing is above the noise.
 pub(super) fn closest(searched: &Searched, axis: AxisKind) -> Option<Closest> {
@@ -33,7 +36,11 @@ pub(super) fn closest(searched: &Searched, axis: AxisKind) -> Option<Closest> {
     let left = 1.0 - share(&fit);
     let region = regions(problem, &fit, axis).into_iter().next();
     let mut text = format!("{id} comes closest and leaves {:.0} % of the excess over the noise", 100.0 * left);
-    if let Some(region) = region.as_ref().filter(|_| left > 0.0) {
+    if left < LITTLE {
+        text += ": the torque balance of what moves is in order, and what is missing shows in windows from known states, at rest or in \
+                 memory";
+    }
+    if let Some(region) = region.as_ref().filter(|_| left >= LITTLE) {
         let (from, to) = (region.low, region.high);
         text += &format!(", {:.0} % of that at {} {from:.3} to {to:.3}", 100.0 * region.share, region.channel);
     }

@@ -85,6 +85,9 @@ fn fitted(columns: &Columns<'_>, base: &Set, term: Term, axis: AxisKind) -> Set 
     for _ in 0..HALVINGS {
         for factor in [1.0 + step, 1.0 / (1.0 + step)] {
             let moved = Term { parameter: best.1.parameter * factor, ..best.1 };
+            if !moved.resolved() {
+                continue;
+            }
             let squares = left(&moved);
             if squares < best.0 {
                 best = (squares, moved);
@@ -99,8 +102,7 @@ fn fitted(columns: &Columns<'_>, base: &Set, term: Term, axis: AxisKind) -> Set 
 /// Whether one term more is more than chance, by the rules of the screen: less held-out error in blocks and recordings,
 /// significant under coloured residuals after correction for every term tried, and certain over blocks.
 fn accepted(columns: &Columns<'_>, before: &Set, after: &Set, tried: usize) -> bool {
-    // Squares fall twice as fast as their root.
-    let gain = 1.0 - (1.0 - after.held.squares_less(&before.held)).max(0.0).sqrt();
+    let gain = 1.0 - (after.held.total() / before.held.total().max(1e-300)).sqrt();
     let (found, _) = columns.solve(&after.columns);
     let left = columns.left(&after.columns, &found, &(0..columns.residual.len()));
     let (_, squares) = columns.solve(&before.columns);
@@ -126,7 +128,8 @@ fn exchanged(columns: &Columns<'_>, set: Set, candidates: &[Term], axis: AxisKin
     for index in 0..best.terms.len() {
         let rest = without(columns, &best, index);
         let replaced = best_with(columns, &rest, candidates, axis);
-        let gains = |set: &Set| set.held.squares_less(&best.held) > 2.0 * MIN_GAIN;
+        // Squares fall twice as fast as their root.
+        let gains = |set: &Set| 1.0 - set.held.total() / best.held.total() > 2.0 * MIN_GAIN;
         if let Some(replaced) = replaced.filter(gains) {
             best = replaced;
         }
@@ -144,7 +147,7 @@ fn without(columns: &Columns<'_>, set: &Set, index: usize) -> Set {
 /// Drops terms that the held-out blocks do not miss.
 fn thinned(columns: &Columns<'_>, mut set: Set) -> Set {
     loop {
-        let missed = |less: &Set| set.held.squares_less(&less.held) >= 2.0 * MIN_GAIN;
+        let missed = |less: &Set| 1.0 - set.held.total() / less.held.total() >= 2.0 * MIN_GAIN;
         let smaller = (0..set.terms.len()).map(|index| without(columns, &set, index)).find(|less| !missed(less));
         match smaller {
             Some(smaller) => set = smaller,

@@ -90,6 +90,13 @@ impl Term {
         }
     }
 
+    /// Whether the bumps can show it: a memory shorter than the narrowest of them is a matter of the smoothing.
+    pub fn resolved(&self) -> bool {
+        let memory = matches!(self.form, Form::Young | Form::Rested)
+            || matches!(self.carrier, Carrier::SlowField | Carrier::SlowPower);
+        !memory || self.parameter >= TIMES_S[0]
+    }
+
     /// Values in each cell of a recording, for each of its columns.
     pub fn cells(&self, state: &State) -> Vec<Vec<f64>> {
         let carrier = self.carrier_cells(state);
