@@ -3,6 +3,7 @@
 use nalgebra::DVector;
 use rayon::prelude::*;
 
+use super::MIN_SQUARES;
 use super::columns::{Columns, Held};
 use super::terms::Term;
 use crate::read::AxisKind;
@@ -12,6 +13,8 @@ use crate::screen::{MAX_P, MIN_GAIN, MIN_T, f_test, t_of_mean};
 const MAX_TERMS: usize = 4;
 /// Halvings of the step when the parameter of a term is fitted.
 const HALVINGS: usize = 7;
+/// A term that takes less than this share of all that was missing is fine print, 1.
+const FINE_PRINT: f64 = 0.005;
 /// Terms that predict within this share of the best one's held-out squares are as good; the simplest is taken.
 const AS_GOOD: f64 = 0.01;
 
@@ -144,14 +147,18 @@ fn without(columns: &Columns<'_>, set: &Set, index: usize) -> Set {
     Set { held: columns.held(&parts), terms, columns: parts }
 }
 
-/// Drops terms that the held-out blocks do not miss.
+/// Drops terms that the held-out blocks do not miss, and the fine print of a formula that predicts without it.
 fn thinned(columns: &Columns<'_>, mut set: Set) -> Set {
+    let nothing = columns.nothing();
     loop {
-        let missed = |less: &Set| 1.0 - set.held.total() / less.held.total() >= 2.0 * MIN_GAIN;
-        let smaller = (0..set.terms.len()).map(|index| without(columns, &set, index)).find(|less| !missed(less));
-        match smaller {
-            Some(smaller) => set = smaller,
-            None => return set,
+        let smaller = (0..set.terms.len()).map(|index| without(columns, &set, index));
+        let Some(least) = smaller.min_by(|a, b| a.held.total().total_cmp(&b.held.total())) else { return set };
+        let lost = least.held.total() - set.held.total();
+        let not_missed = lost < 2.0 * MIN_GAIN * least.held.total();
+        let fine_print = lost < FINE_PRINT * nothing.total() && least.held.squares_less(&nothing) >= MIN_SQUARES;
+        if !(not_missed || fine_print) {
+            return set;
         }
+        set = least;
     }
 }
