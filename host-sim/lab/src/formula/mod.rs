@@ -23,9 +23,9 @@ use select::Selection;
 /// A formula is reported if it takes at least this share of the held-out squares of the residual away, 1: in the blocks
 /// left out, and in the recordings held out.
 const MIN_SQUARES: f64 = 0.25;
-/// A formula on top of the nominal machine alone comes before one on top of the best model, unless the latter leaves less
-/// than this share of its held-out squares, 1.
-const SIMPLER: f64 = 0.9;
+/// A formula on top of the nominal machine alone comes before one on top of the best model, unless it leaves more by this
+/// share of the nominal machine's held-out squares, 1.
+const SIMPLER: f64 = 0.01;
 
 /// The best sparse formula for what is missing, in place of every effect or beside those of the best model; none where
 /// none predicts.
@@ -34,7 +34,7 @@ pub fn formula(problem: &Problem, outcome: &Outcome, axis: AxisKind) -> Option<F
     let beside =
         (!outcome.fit.active.is_empty()).then(|| Candidate::new(problem, outcome, &outcome.fit, axis)).flatten();
     let best = match (alone, beside) {
-        (Some(alone), Some(beside)) if beside.left() < SIMPLER * alone.left() => beside,
+        (Some(alone), Some(beside)) if alone.left() - beside.left() > SIMPLER * outcome.nominal.heldout_sse() => beside,
         (Some(alone), Some(_)) => alone,
         (one, other) => one.or(other)?,
     };
