@@ -8,6 +8,7 @@ pub mod decide;
 pub mod decode;
 pub mod effects;
 pub mod error;
+pub mod formula;
 pub mod guide;
 pub mod interrupt;
 pub mod line;

@@ -1,6 +1,7 @@
 //! From recordings to the answer.
 
 use super::checks::self_checks;
+use super::closest::closest;
 use super::confirmed::confirm;
 use super::controller::mismatch;
 use super::fitted::fit_answer;
@@ -10,6 +11,7 @@ use super::twin::Twins;
 use super::verdict::{verdict, warnings};
 use crate::Error;
 use crate::effects::{Effect, Physics};
+use crate::formula::formula;
 use crate::locate::{first_unexplained, leftover, locations, regions, residual_map};
 use crate::progress::Stages;
 use crate::propose::{Proposal, for_ambiguous};
@@ -111,6 +113,8 @@ fn judge(
     }
     if answer.verdict == Verdict::Unknown {
         answer.residual_map = residual_map(problem, &outcome.fit, &outcome.weights, axis);
+        answer.formula = formula(problem, outcome, axis);
+        answer.closest = closest(searched, axis);
     }
     stages.done("locate");
     if answer.verdict == Verdict::Ambiguous {

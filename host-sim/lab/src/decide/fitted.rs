@@ -77,7 +77,7 @@ fn repaired(searched: &Searched) -> Vec<Recording> {
 }
 
 /// Share of the excess of a sum of squares over a floor that is gone, 1; 1 where there was none.
-pub(super) fn explained(before: f64, after: f64, floor: f64) -> f64 {
+pub(crate) fn explained(before: f64, after: f64, floor: f64) -> f64 {
     let excess = before - floor.min(after);
     if excess <= 0.0 { 1.0 } else { (before - after) / excess }
 }

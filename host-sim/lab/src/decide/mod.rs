@@ -1,6 +1,7 @@
 //! The decision: intervals, equivalents, what is left over, and the verdict.
 
 mod checks;
+mod closest;
 mod confirmed;
 mod controller;
 mod diagnose;
@@ -17,5 +18,6 @@ mod verdict;
 
 pub use diagnose::{Diagnosis, Request, diagnose};
 pub use equivalents::equivalents;
+pub(crate) use fitted::explained;
 pub use intervals::{Covariance, intervals};
 pub use refined::Refined;

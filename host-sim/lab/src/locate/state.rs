@@ -1,6 +1,7 @@
 //! The residual over the channels of state.
 
 use super::bootstrap::share;
+use super::leftover::predicted;
 use super::order::standing_order;
 use crate::read::AxisKind;
 use crate::report::{Region, ResidualMap};
@@ -134,24 +135,58 @@ fn region(problem: &Problem, fit: &Fit, channel: Channel) -> Option<(f64, Region
     ))
 }
 
-/// Mean residual torque over each channel with its 95 % band, N m (N).
+/// A map of one direction is shown where both together predict this much more of the squares than the map of the channel.
+const BY_DIRECTION: f64 = 0.05;
+
+/// Mean residual torque over each channel with its 95 % band, N m (N), most telling first. What turns with the motion
+/// cancels in a mean over both directions; such a channel has a map for each.
 pub fn residual_map(problem: &Problem, fit: &Fit, weights: &[f64], axis: AxisKind) -> Vec<ResidualMap> {
+    let map = |channel: &Channel, predicts: f64| map(fit, weights, channel, predicts);
     let mut maps = Vec::new();
     for channel in channels(problem, axis) {
-        let mut map = ResidualMap { channel: channel.name.clone(), at: Vec::new(), mean: Vec::new(), band: Vec::new() };
-        for bin in bins(&channel) {
-            let count = bin.len() as f64;
-            let torque = |index: usize| fit.residual[index] / weights[index];
-            let mean = bin.iter().map(|(index, _)| torque(*index)).sum::<f64>() / count;
-            let squares: f64 = bin.iter().map(|(index, _)| (torque(*index) - mean).powi(2)).sum();
-            map.at.push(bin.iter().map(|(_, value)| value).sum::<f64>() / count);
-            map.mean.push(mean);
-            // Half-overlapping bumps: every second equation counts.
-            map.band.push(1.96 * (2.0 * squares / (count - 1.0) / count).sqrt());
-        }
-        if !map.at.is_empty() {
-            maps.push(map);
+        let predicts = predicted(problem, fit, &channel);
+        let parts = by_direction(problem, &channel);
+        let each = parts.each_ref().map(|part| predicted(problem, fit, part));
+        let squares =
+            parts.each_ref().map(|part| part.points.iter().map(|(i, _)| fit.residual[*i].powi(2)).sum::<f64>());
+        let apart = (each[0] * squares[0] + each[1] * squares[1]) / (squares[0] + squares[1]).max(1e-300);
+        // Speed and direction have the directions apart already.
+        let split =
+            !channel.name.starts_with("speed") && channel.name != "direction" && apart > predicts + BY_DIRECTION;
+        if split {
+            maps.extend(parts.iter().map(|part| map(part, apart)));
+        } else {
+            maps.push(map(&channel, predicts));
         }
     }
+    maps.retain(|map| !map.at.is_empty());
+    maps.sort_by(|a, b| b.predicts.total_cmp(&a.predicts));
     maps
+}
+
+/// A channel forwards and backwards.
+fn by_direction(problem: &Problem, channel: &Channel) -> [Channel; 2] {
+    [("forwards", 1.0), ("backwards", -1.0)].map(|(name, sign)| {
+        let same_way = |(index, _): &&(usize, f64)| {
+            let equation = &problem.equations[*index];
+            equation.row.mean(&problem.motions[equation.recording].cell_sign) * sign > 0.0
+        };
+        let points = channel.points.iter().filter(same_way).copied().collect();
+        Channel { name: format!("{}, {name}", channel.name), points }
+    })
+}
+
+fn map(fit: &Fit, weights: &[f64], channel: &Channel, predicts: f64) -> ResidualMap {
+    let mut map = ResidualMap { channel: channel.name.clone(), predicts, ..ResidualMap::default() };
+    for bin in bins(channel) {
+        let count = bin.len() as f64;
+        let torque = |index: usize| fit.residual[index] / weights[index];
+        let mean = bin.iter().map(|(index, _)| torque(*index)).sum::<f64>() / count;
+        let squares: f64 = bin.iter().map(|(index, _)| (torque(*index) - mean).powi(2)).sum();
+        map.at.push(bin.iter().map(|(_, value)| value).sum::<f64>() / count);
+        map.mean.push(mean);
+        // Half-overlapping bumps: every second equation counts.
+        map.band.push(1.96 * (2.0 * squares / (count - 1.0) / count).sqrt());
+    }
+    map
 }

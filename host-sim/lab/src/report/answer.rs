@@ -46,6 +46,12 @@ pub struct Answer {
     /// Residual torque over state, where nothing explains it.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub residual_map: Vec<ResidualMap>,
+    /// The best sparse formula for what no effect explains, where one predicts held-out data.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub formula: Option<Formula>,
+    /// The effect that comes closest, where none explains it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub closest: Option<Closest>,
 }
 
 /// One effect of the best model.
@@ -183,7 +189,7 @@ pub struct Experiment {
 }
 
 /// Residual torque over one channel.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct ResidualMap {
     /// Channel with its unit.
     pub channel: String,
@@ -193,4 +199,49 @@ pub struct ResidualMap {
     pub mean: Vec<f64>,
     /// Half-width of its 95 % band.
     pub band: Vec<f64>,
+    /// Share of the residual's squares that these means predict in blocks they were not taken from, 1; maps are ordered
+    /// by it.
+    #[serde(default)]
+    pub predicts: f64,
+}
+
+/// A sum of functions of state that acts on the axis beside the model, N m (N).
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Formula {
+    /// With values, units and what its letters mean.
+    pub text: String,
+    /// Its terms, the most telling first.
+    pub terms: Vec<FormulaTerm>,
+    /// Effects of the best model that it stands beside; empty where it stands beside the nominal model alone.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub on_top_of: Vec<String>,
+    /// Relative fall of the held-out root mean square that it brings to that model, 1.
+    pub heldout_gain: f64,
+    /// Share of the nominal model's excess over the noise that model and formula explain together, 1.
+    pub excess_explained: f64,
+}
+
+/// One term of a formula.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FormulaTerm {
+    /// The function without its coefficient; a parameter of its own is called p.
+    pub text: String,
+    /// Its coefficient, or amplitude and phase; then its own parameter, if it has one.
+    pub parameters: Vec<Interval>,
+}
+
+/// The single effect of the vocabulary that explains most.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Closest {
+    /// Identifier.
+    pub id: String,
+    /// Share of the nominal model's excess over the noise that it alone explains, 1.
+    pub excess_explained: f64,
+    /// Share that it leaves, 1.
+    pub left: f64,
+    /// Where it leaves most.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub region: Option<Region>,
+    /// In words.
+    pub text: String,
 }

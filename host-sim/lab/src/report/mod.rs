@@ -8,8 +8,8 @@ mod text;
 mod units;
 
 pub use answer::{
-    Answer, EffectAnswer, Evidence, Experiment, FirstUnexplained, FitAnswer, Interval, Location, Region, Rejected,
-    ResidualMap, Verdict,
+    Answer, Closest, EffectAnswer, Evidence, Experiment, FirstUnexplained, FitAnswer, Formula, FormulaTerm, Interval,
+    Location, Region, Rejected, ResidualMap, Verdict,
 };
 pub use improved::improved_machine;
 pub use text::summary;

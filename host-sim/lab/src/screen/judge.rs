@@ -1,5 +1,6 @@
 //! Whether an effect is there: held-out gain, F-test under coloured residuals, and certainty over blocks.
 
+use nalgebra::DVector;
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
 use super::fit::Fit;
@@ -86,27 +87,33 @@ pub(super) fn relative_t(from: &Fit, to: &Fit) -> f64 {
 
 /// F-test of an improvement, its freedom reduced by the correlation of neighbouring residuals (Newey-West, Bartlett).
 pub(super) fn p_value(problem: &Problem, base: &Fit, fit: &Fit) -> f64 {
-    let added = fit.freedom().saturating_sub(base.freedom()).max(1) as f64;
-    let inflation = inflation(problem, fit);
-    let count = (fit.residual_count() / inflation - fit.freedom() as f64).max(1.0);
-    let numerator = (base.sse - fit.sse).max(0.0) / added / inflation;
-    let statistic = numerator / (fit.sse / fit.residual_count());
+    let added = fit.freedom().saturating_sub(base.freedom()).max(1);
+    f_test(problem, base.sse, &fit.residual, (added, fit.freedom()))
+}
+
+/// The same for a residual, of which `base` was the sum of squares before values were `added` to those now free.
+pub(crate) fn f_test(problem: &Problem, base: f64, residual: &DVector<f64>, (added, free): (usize, usize)) -> f64 {
+    let equations = problem.fitted_equations();
+    let left = residual.rows(0, equations).norm_squared();
+    let inflation = inflation(problem, residual);
+    let (added, count) = (added as f64, (equations as f64 / inflation - free as f64).max(1.0));
+    let statistic = (base - left).max(0.0) / added / inflation / (left / equations as f64);
     FisherSnedecor::new(added, count).map_or(1.0, |f| f.sf(statistic).max(1e-300))
 }
 
 /// How many neighbouring equations count as one: one plus twice the tapered autocorrelations over 0.1 s.
-pub(super) fn inflation(problem: &Problem, fit: &Fit) -> f64 {
+pub(super) fn inflation(problem: &Problem, residual: &DVector<f64>) -> f64 {
     let reach_s = 0.1;
     let equations = &problem.equations[..problem.fitted_equations()];
     let (mut cross, mut squares) = (0.0, 0.0);
     for i in 0..equations.len() {
-        squares += fit.residual[i] * fit.residual[i];
+        squares += residual[i] * residual[i];
         for j in i + 1..equations.len() {
             let apart_s = equations[j].row.centre_s - equations[i].row.centre_s;
             if equations[j].recording != equations[i].recording || apart_s > reach_s {
                 break;
             }
-            cross += (1.0 - apart_s / reach_s) * fit.residual[i] * fit.residual[j];
+            cross += (1.0 - apart_s / reach_s) * residual[i] * residual[j];
         }
     }
     (1.0 + 2.0 * cross / squares.max(1e-300)).max(1.0)

@@ -17,12 +17,14 @@ mod simplex;
 mod smoother;
 mod weak;
 
-pub(crate) use balance::damper;
+pub(crate) use actuation::{Chain, chain_means};
+pub(crate) use balance::{damper, drive};
+pub(crate) use candidates::orders_of;
 pub use fit::Fit;
 pub(crate) use fit::{bounded_step, moved, places, solve_near};
 pub(crate) use instrument::effort_filter_s;
 pub use judge::{MAX_P, MIN_GAIN, Trial, worse};
-pub(crate) use judge::{MIN_T, t_of_mean};
+pub(crate) use judge::{MIN_T, f_test, t_of_mean};
 pub use motion::Motion;
 pub use problem::{Active, Problem};
 pub use refitter::Refitter;

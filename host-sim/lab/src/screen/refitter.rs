@@ -42,6 +42,6 @@ impl<'a> Refitter<'a> {
 
     /// How many neighbouring equations of a fit count as one.
     pub fn inflation(&self, fit: &Fit) -> f64 {
-        inflation(self.search.problem(), fit)
+        inflation(self.search.problem(), &fit.residual)
     }
 }

@@ -12,6 +12,7 @@ mod words;
 
 pub use data::PlotData;
 use maps::{Band, MapPlot};
+pub(crate) use words::number;
 
 use crate::Error;
 use crate::report::Answer;
@@ -38,6 +39,7 @@ pub fn page(machine: &str, answer: &Answer, plot: &PlotData) -> Result<String, E
     let body = [
         sections::warnings(answer),
         sections::effects(answer),
+        sections::unexplained(answer),
         sections::fit(answer),
         sections::curves(plot),
         sections::located(answer, plot),

@@ -5,7 +5,7 @@ use super::escape::text;
 use super::windows::WINDOW_S;
 use super::words::{estimate, interval, number, p_value, per_cent_explained, title};
 use super::{MapPlot, PlotData};
-use crate::report::{Answer, EffectAnswer, ResidualMap};
+use crate::report::{Answer, EffectAnswer, Formula, ResidualMap, Verdict};
 
 /// Every effect of the best model: what it is, its values, why it is believed.
 pub(super) fn effects(answer: &Answer) -> String {
@@ -186,6 +186,48 @@ fn left_over(map: &ResidualMap) -> String {
     format!(
         "<details><summary>Left by the best model over <code>{}</code></summary>{figures}</details>",
         text(&map.channel)
+    )
+}
+
+/// The closest effect and the formula, where no effect explains what is missing.
+pub(super) fn unexplained(answer: &Answer) -> String {
+    if answer.verdict != Verdict::Unknown {
+        return String::new();
+    }
+    let closest =
+        answer.closest.as_ref().map_or_else(String::new, |closest| format!("<p>{}.</p>", text(&closest.text)));
+    let follows = answer.residual_map.first().filter(|map| map.predicts > 0.0).map_or_else(String::new, |map| {
+        let share = 100.0 * map.predicts;
+        format!(
+            "<p>What the best model leaves follows <code>{}</code>: its map predicts {share:.0} % of the squares.</p>",
+            text(&map.channel)
+        )
+    });
+    let formula = answer.formula.as_ref().map_or_else(
+        || "<p class=\"quiet\">No sparse formula for the residual predicts held-out data.</p>".to_owned(),
+        self::formula,
+    );
+    section("unexplained", "What no effect explains", &format!("{closest}{follows}{formula}"))
+}
+
+fn formula(formula: &Formula) -> String {
+    let rows = formula.terms.iter().flat_map(|term| {
+        term.parameters.iter().map(|p| {
+            let name = format!("<code>{}</code> of {}", text(&p.id), text(&term.text));
+            vec![name, estimate(p), interval(p), text(&p.unit)]
+        })
+    });
+    let head = ["value", "estimate", "95 % interval", "unit"];
+    let values = table("Values of the formula", &head, rows.collect());
+    let beside =
+        if formula.on_top_of.is_empty() { "the nominal model".to_owned() } else { formula.on_top_of.join(", ") };
+    format!(
+        "<p class=\"note\">{}</p>{values}<p class=\"quiet\">A sparse formula for what is missing beside {}: held-out error \
+         {:.1} % less; with it {} % of the excess over the noise is explained.</p>",
+        text(&formula.text),
+        text(&beside),
+        100.0 * formula.heldout_gain,
+        text(&per_cent_explained(formula.excess_explained))
     )
 }
 

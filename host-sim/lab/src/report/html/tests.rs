@@ -4,7 +4,10 @@
 use super::data::{RecordingPlot, Samples};
 use super::maps::{Band, MapPlot};
 use super::*;
-use crate::report::{EffectAnswer, Evidence, Experiment, FitAnswer, Interval, Location, Region, Rejected, ResidualMap};
+use crate::report::{
+    Closest, EffectAnswer, Evidence, Experiment, FitAnswer, Formula, FormulaTerm, Interval, Location, Region, Rejected,
+    ResidualMap,
+};
 use crate::report::{Verdict, html};
 
 const HOSTILE: &str = "</script><script>alert(1)</script> & \"a' <b>.csv";
@@ -65,7 +68,27 @@ fn answer(verdict: Verdict) -> Answer {
             reference_csv: Some(hostile.clone()),
         }),
         warnings: vec![hostile.clone()],
-        residual_map: vec![ResidualMap { channel: hostile, at: vec![0.0], mean: vec![0.1], band: vec![0.01] }],
+        residual_map: vec![ResidualMap {
+            channel: hostile,
+            at: vec![0.0],
+            mean: vec![0.1],
+            band: vec![0.01],
+            predicts: 0.4,
+        }],
+        formula: Some(Formula {
+            text: HOSTILE.to_owned(),
+            terms: vec![FormulaTerm { text: HOSTILE.to_owned(), parameters: Vec::new() }],
+            on_top_of: vec![HOSTILE.to_owned()],
+            heldout_gain: 0.5,
+            excess_explained: 0.9,
+        }),
+        closest: Some(Closest {
+            id: "spring_load".to_owned(),
+            excess_explained: 0.57,
+            left: 0.43,
+            region: None,
+            text: HOSTILE.to_owned(),
+        }),
     }
 }
 
@@ -126,7 +149,7 @@ fn the_page_says_the_answer() {
         assert!(page.contains(part), "{part}");
     }
     assert!(written(Verdict::None).contains("Nothing is missing from the model"));
-    assert!(written(Verdict::Unknown).contains("comes nearest, with 99 %"));
+    assert!(written(Verdict::Unknown).contains("spring load comes closest and leaves 43 %"));
     assert!(written(Verdict::Controller).contains("no physics is named"));
     assert!(written(Verdict::Ambiguous).contains("cannot tell which"));
 }
