@@ -33,7 +33,7 @@ pub(super) fn confirm(
             continue;
         }
         let refined = refine(request, searched, notes);
-        let Some(index) = refined.time.as_ref().and_then(|time| unconfirmed(request, searched, time)) else {
+        let Some(index) = unconfirmed(request, searched, &refined) else {
             return (refined, taken_back);
         };
         taken_back.push(take_back(searched, index));
@@ -67,7 +67,7 @@ fn refine(request: &Request<'_>, searched: &Searched, notes: &mut Vec<String>) -
 }
 
 /// The weakest of the effects that simulation does as well without.
-fn unconfirmed(request: &Request<'_>, searched: &Searched, time: &TimeFit) -> Option<usize> {
+fn unconfirmed(request: &Request<'_>, searched: &Searched, refined: &Refined) -> Option<usize> {
     let (problem, fit) = (&searched.problem, &searched.outcome.fit);
     let refitter = Refitter::new(problem, &searched.outcome);
     let recordings = &searched.recordings[..problem.fitted];
@@ -76,7 +76,7 @@ fn unconfirmed(request: &Request<'_>, searched: &Searched, time: &TimeFit) -> Op
         Windows::new(&problem.machine(active), recordings, 0, resolution, HORIZON_S).map(|windows| windows.rms())
     };
     let falls = |without: &[Active], to: f64| -> bool {
-        rms(without).and_then(|before| Ok(rms(&time.active)? < to * before)).unwrap_or(true)
+        rms(without).and_then(|before| Ok(rms(&refined.active)? < to * before)).unwrap_or(true)
     };
     let rest = |index: usize| {
         let mut rest = fit.active.clone();
@@ -93,6 +93,7 @@ fn unconfirmed(request: &Request<'_>, searched: &Searched, time: &TimeFit) -> Op
     weak.retain(|(_, gain)| *gain < PLAIN);
     weak.sort_by(|a, b| a.1.total_cmp(&b.1));
     weak.into_iter().map(|(index, _)| index).find(|&index| {
+        let Some(time) = &refined.time else { return !falls(&rest(index).active, FALLS_TO) };
         let Ok(without) = time.without(problem, recordings, index) else { return false };
         // No block but its own misses an event.
         let event = fit.active[index].effect.id == PULSE;

@@ -54,12 +54,14 @@ fn is_unknown(searched: &Searched, fit: &FitAnswer, left: &Leftover, twins: &Twi
     let over = if memory { OVER_FLOOR_WITH_MEMORY } else { OVER_FLOOR };
     // Standstill tells nothing in the weak form, and may tell all in the windows.
     let above_floor = twins.noise_floor_rms.is_some_and(|floor| fit.after_rms > over * floor);
+    // A twin that scatters far more than the recording was given as noise what is none.
+    let swallowed = twins.noise_floor_rms.is_some_and(|floor| floor > OVER_FLOOR * fit.after_rms);
     if outcome.fit.active.is_empty() {
         // Far above the noise is something, even where no channel of state predicts it.
-        return above_floor || left.excess > 2.5 || left.gain >= MIN_GAIN && left.excess > 1.5;
+        return above_floor || swallowed || left.excess > 2.5 || left.gain >= MIN_GAIN && left.excess > 1.5;
     }
     let explains = explained(outcome.nominal.sse, outcome.fit.sse, outcome.fit.residual_count());
-    explains < EXPLAINS || explains < WHOLE && left.excess > FAR || above_floor
+    explains < EXPLAINS || explains < WHOLE && left.excess > FAR || above_floor || swallowed
 }
 
 /// What the user should know before believing the answer.
