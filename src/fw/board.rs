@@ -100,6 +100,7 @@ pub struct Board {
 
 impl Board {
     /// Sets everything up, once; `None` the second time.
+    // Over 40 lines: every pin and peripheral once, in the order in which the chip wants them.
     pub fn take() -> Option<Self> {
         let mut core = cortex_m::Peripherals::take()?;
         let device = pac::Peripherals::take()?;

@@ -52,6 +52,7 @@ impl Run<'_> {
     ///
     /// # Errors
     /// A configuration the law refuses, a drive that trips.
+    // Over 40 lines: what goes into one tick and what comes out of it.
     pub fn follow(&self, reference: &[Counts]) -> Result<Vec<Row>, Error> {
         let params = Params::new(self.config).map_err(Error::Config)?;
         // The drive was enabled where its sensor says that the axis stands.

@@ -179,6 +179,7 @@ pub struct Physics {
 
 impl Physics {
     /// The default machine of the recording format: nothing concealed, no noise.
+    // Over 40 lines: one line for each field.
     pub fn nominal() -> Self {
         let drive = Drive {
             gain: 1.0,

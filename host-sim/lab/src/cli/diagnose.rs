@@ -7,6 +7,7 @@ use crate::Error;
 use crate::decide::{Request, diagnose};
 use crate::effects::{self, Effect};
 use crate::read::{Machine, Recording};
+use crate::report::Answer;
 use crate::report::html::{PlotData, page};
 use crate::{output, propose, report};
 
@@ -76,9 +77,18 @@ pub fn run(args: &Args) -> Result<(), Error> {
         propose::write_reference(file, machine.axis.kind, &proposal.reference)?;
         experiment.reference_csv = Some(file.display().to_string());
     }
+    if let Some(file) = &args.html {
+        let plot = PlotData::new(&diagnosis, &recordings, &holdout)?;
+        output::write_text(file, &page(&machine.name, &diagnosis.answer, &plot)?)?;
+    }
+    write(args, &diagnosis.answer)
+}
+
+/// The answer where it was asked for: JSON, machine file, and in words unless the JSON goes to standard output.
+fn write(args: &Args, answer: &Answer) -> Result<(), Error> {
     let to_stdout = args.json.as_deref() == Some(Path::new("-"));
     if let Some(file) = &args.json {
-        let text = serde_json::to_string_pretty(&diagnosis.answer)
+        let text = serde_json::to_string_pretty(answer)
             .map_err(|error| Error::Output { file: file.clone(), reason: error.to_string() })?;
         if to_stdout {
             println!("{text}");
@@ -86,16 +96,12 @@ pub fn run(args: &Args) -> Result<(), Error> {
             output::write(file, |out| writeln!(out, "{text}"))?;
         }
     }
-    if let Some(file) = &args.html {
-        let plot = PlotData::new(&diagnosis, &recordings, &holdout)?;
-        output::write_text(file, &page(&machine.name, &diagnosis.answer, &plot)?)?;
-    }
     if let Some(file) = &args.write_model {
-        let text = report::improved_machine(&read_text(&args.machine)?, &diagnosis.answer);
+        let text = report::improved_machine(&read_text(&args.machine)?, answer);
         output::write(file, |out| out.write_all(text.as_bytes()))?;
     }
     if !to_stdout {
-        print!("{}", report::summary(&diagnosis.answer));
+        print!("{}", report::summary(answer));
     }
     Ok(())
 }

@@ -15,7 +15,7 @@ use crate::formula::formula;
 use crate::locate::{first_unexplained, leftover, locations, regions, residual_map};
 use crate::progress::Stages;
 use crate::propose::{Proposal, for_ambiguous};
-use crate::read::{Machine, Recording};
+use crate::read::{AxisKind, Machine, Recording};
 use crate::report::{Answer, Verdict};
 
 /// What is to be diagnosed.
@@ -90,7 +90,7 @@ fn judge(
     notes: Vec<String>,
 ) -> Result<(), Error> {
     let (problem, outcome) = (&searched.problem, &searched.outcome);
-    let (axis, before) = (request.machine.axis.kind, &outcome.nominal);
+    let axis = request.machine.axis.kind;
     let left = leftover(problem, &outcome.fit, axis);
     let twins = Twins::of(request, searched, &diagnosis.improved);
     diagnosis.stages.done("twins");
@@ -106,16 +106,7 @@ fn judge(
     answer.warnings.extend(self_checks(problem, &searched.recordings[..problem.fitted], request.vocabulary));
     answer.warnings.extend(twins.warnings);
     stages.done("self-checks");
-    if answer.verdict != Verdict::None {
-        answer.regions = regions(problem, before, axis);
-        answer.locations = locations(problem, before, axis, &answer.regions);
-        answer.first_unexplained = first_unexplained(problem, before);
-    }
-    if answer.verdict == Verdict::Unknown {
-        answer.residual_map = residual_map(problem, &outcome.fit, &outcome.weights, axis);
-        answer.formula = formula(problem, outcome, axis);
-        answer.closest = closest(searched, axis);
-    }
+    locate(searched, axis, answer);
     stages.done("locate");
     if answer.verdict == Verdict::Ambiguous {
         *proposal = for_ambiguous(
@@ -129,4 +120,19 @@ fn judge(
         stages.done("propose");
     }
     Ok(())
+}
+
+/// Where the mismatch is; and where nothing explains it, all that can be said instead.
+fn locate(searched: &Searched, axis: AxisKind, answer: &mut Answer) {
+    let (problem, outcome) = (&searched.problem, &searched.outcome);
+    if answer.verdict != Verdict::None {
+        answer.regions = regions(problem, &outcome.nominal, axis);
+        answer.locations = locations(problem, &outcome.nominal, axis, &answer.regions);
+        answer.first_unexplained = first_unexplained(problem, &outcome.nominal);
+    }
+    if answer.verdict == Verdict::Unknown {
+        answer.residual_map = residual_map(problem, &outcome.fit, &outcome.weights, axis);
+        answer.formula = formula(problem, outcome, axis);
+        answer.closest = closest(searched, axis);
+    }
 }

@@ -19,6 +19,7 @@ const GLITCH: &str = "sensor_glitch";
 ///
 /// # Errors
 /// A recording too short for one window.
+// Over 40 lines: eight figures, each named once.
 pub(super) fn fit_answer(
     request: &Request<'_>,
     searched: &Searched,
@@ -50,13 +51,6 @@ pub(super) fn fit_answer(
         effect.evidence.heldout_gain = 1.0 - left;
     }
     let floor = outcome.fit.residual_count();
-    let excess_explained = match twins.noise_floor_rms {
-        // No torque is missing; what the windows lose is all there is.
-        Some(floor) if named && outcome.fit.active.is_empty() => {
-            explained(before * before, after * after, floor * floor)
-        }
-        _ => explained(outcome.nominal.sse, outcome.fit.sse, floor),
-    };
     let unit = if request.machine.axis.kind == AxisKind::Linear { "m" } else { "rad" };
     Ok(FitAnswer {
         before_rms: before,
@@ -64,7 +58,13 @@ pub(super) fn fit_answer(
         heldout_before_rms: heldout_before,
         heldout_after_rms: heldout_after,
         noise_floor_rms: twins.noise_floor_rms.unwrap_or(after * (floor / outcome.fit.sse.max(floor)).sqrt()),
-        excess_explained,
+        excess_explained: match twins.noise_floor_rms {
+            // No torque is missing; what the windows lose is all there is.
+            Some(floor) if named && outcome.fit.active.is_empty() => {
+                explained(before * before, after * after, floor * floor)
+            }
+            _ => explained(outcome.nominal.sse, outcome.fit.sse, floor),
+        },
         unit: unit.to_owned(),
         horizon_s: HORIZON_S,
     })

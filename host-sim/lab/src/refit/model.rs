@@ -7,6 +7,7 @@ use plant::{Er, FieldResponse, FluidResponse, Model};
 use crate::effects::{self, Damper, Physics, Viscosity};
 
 /// The model that simulates recording number `recording`; pushes and phases differ from one to the next.
+// Over 40 lines: one line for each field of the model.
 pub fn model(physics: &Physics, recording: usize) -> Model {
     let finite = |value: f64| value.is_finite().then_some(value);
     Model {

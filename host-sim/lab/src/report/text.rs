@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use super::{Answer, Verdict};
+use super::{Answer, EffectAnswer, FitAnswer, Verdict};
 
 /// A few lines that say what the answer says.
 pub fn summary(answer: &Answer) -> String {
@@ -24,35 +24,8 @@ fn write_summary(text: &mut String, answer: &Answer) -> std::fmt::Result {
     if answer.verdict == Verdict::Unknown {
         write_unknown(text, answer)?;
     }
-    for effect in &answer.effects {
-        writeln!(text, "\n{}: {}", effect.id, effect.text)?;
-        for p in &effect.parameters {
-            writeln!(text, "  {} = {:.6} ({:.6} to {:.6}) {}", p.id, p.value, p.low, p.high, p.unit)?;
-        }
-        let e = effect.evidence;
-        writeln!(
-            text,
-            "  held-out error {:.1} % less, p = {:.1e}, explains {:.0} % of the excess",
-            100.0 * e.heldout_gain,
-            e.p_value,
-            100.0 * e.excess_explained
-        )?;
-        if !effect.equivalent.is_empty() {
-            writeln!(text, "  these recordings cannot tell it from: {}", effect.equivalent.join(", "))?;
-        }
-    }
-    let fit = &answer.fit;
-    writeln!(
-        text,
-        "\nWindows of {} s, rms in {}: {:.3e} before, {:.3e} after; held out {:.3e} before, {:.3e} after; floor {:.3e}.",
-        fit.horizon_s,
-        fit.unit,
-        fit.before_rms,
-        fit.after_rms,
-        fit.heldout_before_rms,
-        fit.heldout_after_rms,
-        fit.noise_floor_rms
-    )?;
+    answer.effects.iter().try_for_each(|effect| write_effect(text, effect))?;
+    write_fit(text, &answer.fit)?;
     for location in answer.locations.iter().take(3) {
         let (from, to) = (location.start_s, location.end_s);
         writeln!(
@@ -72,6 +45,41 @@ fn write_summary(text: &mut String, answer: &Answer) -> std::fmt::Result {
         writeln!(text, "Warning: {warning}")?;
     }
     Ok(())
+}
+
+/// An effect with its values and why it is believed.
+fn write_effect(text: &mut String, effect: &EffectAnswer) -> std::fmt::Result {
+    writeln!(text, "\n{}: {}", effect.id, effect.text)?;
+    for p in &effect.parameters {
+        writeln!(text, "  {} = {:.6} ({:.6} to {:.6}) {}", p.id, p.value, p.low, p.high, p.unit)?;
+    }
+    let e = effect.evidence;
+    writeln!(
+        text,
+        "  held-out error {:.1} % less, p = {:.1e}, explains {:.0} % of the excess",
+        100.0 * e.heldout_gain,
+        e.p_value,
+        100.0 * e.excess_explained
+    )?;
+    if !effect.equivalent.is_empty() {
+        writeln!(text, "  these recordings cannot tell it from: {}", effect.equivalent.join(", "))?;
+    }
+    Ok(())
+}
+
+/// Windows before and after.
+fn write_fit(text: &mut String, fit: &FitAnswer) -> std::fmt::Result {
+    writeln!(
+        text,
+        "\nWindows of {} s, rms in {}: {:.3e} before, {:.3e} after; held out {:.3e} before, {:.3e} after; floor {:.3e}.",
+        fit.horizon_s,
+        fit.unit,
+        fit.before_rms,
+        fit.after_rms,
+        fit.heldout_before_rms,
+        fit.heldout_after_rms,
+        fit.noise_floor_rms
+    )
 }
 
 /// What comes closest, where the residual maps point, and the formula.

@@ -162,6 +162,7 @@ fn spread(shown: &[f64]) -> f64 {
 }
 
 /// What a load takes from the rotor; `shown` is the force on the load as the rotor's own balance shows it in each cell.
+// Over 40 lines: one cell of the filter, whose steps share its state.
 pub(crate) fn pull(motion: &Motion, load: &Load, inertia: f64, shown: &[f64]) -> Pull {
     let shaft = Shaft::new(load, inertia);
     let cells = motion.cells();

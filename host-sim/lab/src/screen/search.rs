@@ -156,14 +156,8 @@ impl<'a> Search<'a> {
         if kinked(effect) {
             // Where nothing on the grid is better than none of it, the rest is not worth the time.
             glimpsed.truncate(if glimpsed.first().is_some_and(|best| best.0 < base.sse) { FINALISTS } else { 1 });
-            for (sse, entry) in glimpsed.iter_mut().filter(|glimpsed| glimpsed.0 < base.sse) {
-                let (_, felt) = fitter.feel(&with(entry), known, FEELS);
-                let (_, scanned) = fitter.scan(&felt, known);
-                let (low, mut reached) = fitter.feel(&scanned, known, FEELS);
-                if let Some(found) = reached.pop().filter(|_| low < *sse) {
-                    (*sse, *entry) = (low, found);
-                }
-            }
+            let promising = glimpsed.iter_mut().filter(|glimpsed| glimpsed.0 < base.sse);
+            promising.for_each(|glimpsed| feel_on(&fitter, base, known, glimpsed));
         }
         let (finalists, iterations) = match glimpsed.first() {
             Some((sse, _)) if *sse > HOPELESS * base.sse => (1, 2),
@@ -360,6 +354,17 @@ impl<'a> Search<'a> {
                 None => return fit,
             }
         }
+    }
+}
+
+/// Goes on from a start without derivatives, with a scan between two passes.
+fn feel_on(fitter: &Fitter<'_>, base: &Fit, known: &Base, (sse, entry): &mut (f64, Active)) {
+    let start = [base.active.as_slice(), std::slice::from_ref(entry)].concat();
+    let (_, felt) = fitter.feel(&start, known, FEELS);
+    let (_, scanned) = fitter.scan(&felt, known);
+    let (low, mut reached) = fitter.feel(&scanned, known, FEELS);
+    if let Some(found) = reached.pop().filter(|_| low < *sse) {
+        (*sse, *entry) = (low, found);
     }
 }
 

@@ -6,6 +6,7 @@ use nalgebra::DVector;
 const EDGE: f64 = 0.25;
 
 /// The lowest point found from a start, with its value, after at most `evaluations`.
+// Over 40 lines: one turn of the simplex, whose moves share all its corners.
 pub(super) fn minimise(
     start: &DVector<f64>,
     evaluations: usize,
