@@ -35,6 +35,13 @@ fn names(confused: &[Confused]) -> String {
     if each.is_empty() { "-".to_owned() } else { each.join(", ") }
 }
 
+/// With four significant digits.
 fn number(value: Option<f64>) -> String {
-    value.map_or("-".to_owned(), |value| if value == 0.0 { "0".to_owned() } else { format!("{value:.4}") })
+    value.map_or("-".to_owned(), |value| {
+        if value == 0.0 {
+            return "0".to_owned();
+        }
+        let decimals = (3.0 - value.abs().log10().floor()).clamp(0.0, 12.0) as usize;
+        format!("{value:.decimals$}")
+    })
 }

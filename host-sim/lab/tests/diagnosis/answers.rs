@@ -5,12 +5,14 @@ use lab::report::Verdict;
 use crate::cases::{answer, recordings};
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "a minute without optimisation; the tests in release run it")]
 fn nothing_is_named_where_nothing_is_missing() {
     let answer = answer(&recordings(&|_| (), 11, 0.05), "");
     assert_eq!(answer.verdict, Verdict::None, "{answer:?}");
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "a minute without optimisation; the tests in release run it")]
 fn dry_friction_is_named_alone_and_its_interval_holds_the_truth() {
     let answer = answer(&recordings(&|physics| physics.coulomb = 0.95, 12, 0.05), "");
     assert_eq!(answer.verdict, Verdict::Named, "{answer:?}");

@@ -8,6 +8,7 @@ use lab::read::{Machine, Recording};
 use lab::report::Answer;
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "a minute without optimisation; the tests in release run it")]
 fn dry_friction_of_the_emps_axis_comes_first_and_within_five_percent() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/emps");
     if !folder.is_dir() {
@@ -28,6 +29,7 @@ fn dry_friction_of_the_emps_axis_comes_first_and_within_five_percent() {
 
 /// The published model with an offset has no asymmetry of the slope, and the other way round: they explain the same.
 #[test]
+#[cfg_attr(debug_assertions, ignore = "a minute without optimisation; the tests in release run it")]
 fn without_an_asymmetry_the_emps_axis_has_the_published_offset() {
     let Some(answer) = diagnosed("emps", &["train.csv"], &["pulses.csv"], "friction_asymmetry") else { return };
     assert_eq!(answer.effects[0].id, "coulomb_friction", "{answer:?}");
@@ -42,6 +44,7 @@ fn without_an_asymmetry_the_emps_axis_has_the_published_offset() {
 const MAP: [(f64, f64); 2] = [(7.0, 0.0475), (28.0, 0.0309)];
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "a minute without optimisation; the tests in release run it")]
 fn cogging_of_the_odrive_motor_has_the_orders_and_sizes_of_its_map() {
     let Some(answer) = diagnosed("odrive_cogging", &["slow2_nocomp_0.csv"], &["slow2_nocomp_1.csv"], "") else {
         return;
