@@ -54,8 +54,9 @@ fn is_unknown(searched: &Searched, fit: &FitAnswer, left: &Leftover, twins: &Twi
     let over = if memory { OVER_FLOOR_WITH_MEMORY } else { OVER_FLOOR };
     // Standstill tells nothing in the weak form, and may tell all in the windows.
     let above_floor = twins.noise_floor_rms.is_some_and(|floor| fit.after_rms > over * floor);
-    // A twin that scatters far more than the recording was given as noise what is none.
-    let swallowed = twins.noise_floor_rms.is_some_and(|floor| floor > OVER_FLOOR * fit.after_rms);
+    // A twin that scatters far more than the recording was given as noise what is none; of a machine with a memory it may
+    // scatter because its windows start from a state that is known less well.
+    let swallowed = !memory && twins.noise_floor_rms.is_some_and(|floor| floor > OVER_FLOOR * fit.after_rms);
     if outcome.fit.active.is_empty() {
         // Far above the noise is something, even where no channel of state predicts it.
         return above_floor || swallowed || left.excess > 2.5 || left.gain >= MIN_GAIN && left.excess > 1.5;
