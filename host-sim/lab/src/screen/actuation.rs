@@ -51,14 +51,34 @@ pub(crate) struct Moments {
     pub second: f64,
 }
 
+/// Spans that differ by no more than rounding, of the time constant, have the same decay.
+const ROUNDING: f64 = 1e-11;
+
 /// State of a [`Chain`].
 struct Follower {
     chain: Chain,
     slewed: f64,
     lagged: f64,
+    /// The last decays, by span and time constant: a delay cuts each of equal cells in the same two.
+    decays: [(f64, f64, f64); 2],
 }
 
 impl Follower {
+    fn new(chain: Chain, value: f64) -> Self {
+        Self { chain, slewed: value, lagged: value, decays: [(0.0, 0.0, 1.0); 2] }
+    }
+
+    /// exp(-span/tau).
+    fn decay(&mut self, span_s: f64, tau_s: f64) -> f64 {
+        let same = |known: &&(f64, f64, f64)| known.1 == tau_s && (known.0 - span_s).abs() <= ROUNDING * tau_s;
+        if let Some(known) = self.decays.iter().find(same) {
+            return known.2;
+        }
+        let decay = (-span_s / tau_s).exp();
+        self.decays = [(span_s, tau_s, decay), self.decays[0]];
+        decay
+    }
+
     /// Integrals of the output and its square over `span_s` under a constant target; advances the state.
     fn advance(&mut self, target: f64, span_s: f64) -> (f64, f64) {
         if self.chain.slew_per_s.is_infinite() || self.slewed == target {
@@ -92,7 +112,7 @@ impl Follower {
             self.lagged = target;
             return (target * span_s, target * target * span_s);
         }
-        let decay = (-span_s / tau_s).exp();
+        let decay = self.decay(span_s, tau_s);
         let (once, twice) = (tau_s * (1.0 - decay), 0.5 * tau_s * (1.0 - decay * decay));
         self.lagged = target + away * decay;
         let first = target * span_s + away * once;
@@ -107,7 +127,7 @@ pub(crate) fn chain_means(t_s: &[f64], value: &[f64], chain: Chain) -> Vec<Momen
     while row + 1 < t_s.len() && t_s[row + 1] + chain.delay_s <= first_s {
         row += 1;
     }
-    let mut follower = Follower { chain, slewed: value[row], lagged: value[row] };
+    let mut follower = Follower::new(chain, value[row]);
     let mut means = Vec::with_capacity(t_s.len() - 1);
     for pair in t_s.windows(2) {
         let (mut from_s, mut first, mut second) = (pair[0], 0.0, 0.0);

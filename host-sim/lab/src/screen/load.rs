@@ -96,6 +96,54 @@ impl Shaft {
     }
 }
 
+/// Spans that differ by no more than rounding, relative, are crossed by the same matrix.
+const ROUNDING: f64 = 1e-11;
+
+/// Exact motion of a load without a gap against its rotor while that accelerates evenly.
+struct Swing {
+    shaft: Shaft,
+    /// The span last crossed, s, and what twist and its rate become of themselves over it.
+    span: f64,
+    matrix: [[f64; 2]; 2],
+}
+
+impl Swing {
+    fn new(shaft: Shaft) -> Self {
+        Self { shaft, span: 0.0, matrix: [[1.0, 0.0], [0.0, 1.0]] }
+    }
+
+    fn cross(&mut self, span: f64) {
+        if (span - self.span).abs() <= ROUNDING * span {
+            return;
+        }
+        let (square, half) = (self.shaft.stiffness / self.shaft.moved, 0.5 * self.shaft.damping / self.shaft.moved);
+        let apart = square - half * half;
+        let root = apart.abs().sqrt();
+        let (cosine, sine) = match apart {
+            _ if root * span < 1e-9 => (1.0, span),
+            apart if apart > 0.0 => ((root * span).cos(), (root * span).sin() / root),
+            _ => ((root * span).cosh(), (root * span).sinh() / root),
+        };
+        let decay = (-half * span).exp();
+        self.matrix =
+            [[decay * (cosine + half * sine), decay * sine], [-decay * square * sine, decay * (cosine - half * sine)]];
+        self.span = span;
+    }
+
+    /// Moves the load over a cell; gives its change of speed.
+    fn advance(&mut self, rotor: &Rotor, span: f64, state: &mut State) -> f64 {
+        self.cross(span);
+        // Where the twist would stay under this acceleration.
+        let resting = -rotor.rate * self.shaft.moved / self.shaft.stiffness;
+        let (twist, rate) = (state.x - rotor.q - resting, state.v - rotor.w);
+        let [[a, b], [c, d]] = self.matrix;
+        let (q, w) = rotor.at(span);
+        let before = state.v;
+        *state = State { x: q + resting + a * twist + b * rate, v: w + c * twist + d * rate };
+        state.v - before
+    }
+}
+
 /// Errors of the force shown over what neighbouring cells do not share: the smoother's are slow, and impacts are smeared.
 const SLOW_ERRORS: f64 = 10.0;
 /// A force shown that is this much larger than what neighbouring cells do not share is a contact.
@@ -157,21 +205,43 @@ impl Filter {
 /// Standard deviation of what neighbouring cells do not share, by a median.
 fn spread(shown: &[f64]) -> f64 {
     let mut changes: Vec<f64> = shown.windows(3).map(|y| (y[1] - 0.5 * (y[0] + y[2])).abs()).collect();
-    changes.sort_by(f64::total_cmp);
-    changes.get(changes.len() / 2).map_or(0.0, |median| 1.4826 * median / 1.5f64.sqrt())
+    if changes.is_empty() {
+        return 0.0;
+    }
+    let middle = changes.len() / 2;
+    1.4826 * *changes.select_nth_unstable_by(middle, f64::total_cmp).1 / 1.5f64.sqrt()
 }
 
 /// What a load takes from the rotor; `shown` is the force on the load as the rotor's own balance shows it in each cell.
-// Over 40 lines: one cell of the filter, whose steps share its state.
 pub(crate) fn pull(motion: &Motion, load: &Load, inertia: f64, shown: &[f64]) -> Pull {
     let shaft = Shaft::new(load, inertia);
+    if shaft.half_gap > 0.0 { behind_a_gap(motion, &shaft, shown) } else { on_a_shaft(motion, shaft) }
+}
+
+fn on_a_shaft(motion: &Motion, shaft: Shaft) -> Pull {
+    let mut swing = Swing::new(shaft);
+    let mut state = State { x: motion.smooth[0], v: motion.speed[0] };
+    let each = (0..motion.cells()).map(|cell| {
+        let span = motion.t_s[cell + 1] - motion.t_s[cell];
+        let (q, w) = (motion.smooth[cell], motion.speed[cell]);
+        let rotor = Rotor { q, w, rate: (motion.speed[cell + 1] - w) / span };
+        let change = swing.advance(&rotor, span, &mut state);
+        if motion.broken[cell] {
+            state = State { x: motion.smooth[cell + 1], v: motion.speed[cell + 1] };
+        }
+        shaft.moved * change / span
+    });
+    Pull { torque: each.collect(), corrected: Vec::new() }
+}
+
+// Over 40 lines: one cell of the filter, whose steps share its state.
+fn behind_a_gap(motion: &Motion, shaft: &Shaft, shown: &[f64]) -> Pull {
     let cells = motion.cells();
     let mut state = State { x: motion.smooth[0], v: motion.speed[0] };
     let mut torque = Vec::with_capacity(cells);
-    let with_gap = shaft.half_gap > 0.0;
-    let mut corrected = if with_gap { vec![0.0; cells + 1] } else { Vec::new() };
+    let mut corrected = vec![0.0; cells + 1];
     let spread = spread(shown);
-    let mut filter = Filter::new(&shaft, spread);
+    let mut filter = Filter::new(shaft, spread);
     for cell in 0..cells {
         let span = motion.t_s[cell + 1] - motion.t_s[cell];
         let (q, w) = (motion.smooth[cell], motion.speed[cell]);
@@ -182,19 +252,19 @@ pub(crate) fn pull(motion: &Motion, load: &Load, inertia: f64, shown: &[f64]) ->
             state = State { x: motion.smooth[cell + 1], v: motion.speed[cell + 1] };
             continue;
         }
-        if !with_gap || motion.at_rest[cell] {
+        if motion.at_rest[cell] {
             continue;
         }
         let stretch = rotor.at(span).0 - state.x;
         let touching = stretch.abs() > shaft.half_gap;
-        filter.predict(&shaft, touching, span);
+        filter.predict(shaft, touching, span);
         let seen = shown[cell];
         if touching || seen.abs() > TOUCHES * spread {
             let side = if touching { stretch } else { seen };
             // The force shown is the mean over the cell.
             let (middle, speed) = rotor.at(0.5 * span);
             let expected = shaft.contact(middle - (state.x - 0.5 * span * state.v), speed - state.v, side);
-            let (moved, faster) = filter.correct(&shaft, expected, seen);
+            let (moved, faster) = filter.correct(shaft, expected, seen);
             state.x += moved;
             state.v += faster;
             let (jump, kick) = (shaft.moved * moved / (span * span), shaft.moved * faster / span);

@@ -34,8 +34,7 @@ pub(crate) struct Row {
 impl Row {
     /// Weighted mean of something given by its cell means.
     pub(crate) fn mean(&self, cells: &[f64]) -> f64 {
-        let under = &cells[self.first_cell..self.first_cell + self.cell.len()];
-        self.cell.iter().zip(under).map(|(weight, value)| weight * value).sum()
+        dot(&self.cell, &cells[self.first_cell..self.first_cell + self.cell.len()])
     }
 
     /// Weighted mean of the acceleration of something sampled.
@@ -49,6 +48,21 @@ impl Row {
     pub(crate) fn noise_gain(&self) -> f64 {
         self.second.iter().map(|weight| weight * weight).sum::<f64>().sqrt()
     }
+}
+
+/// Sum of products. Four sums side by side: the order of a single one forbids the processor to take several at a time, and
+/// half of a search is spent here.
+fn dot(weights: &[f64], values: &[f64]) -> f64 {
+    let mut sums = [0.0; 4];
+    let (fours, rest) = (weights.chunks_exact(4), weights.chunks_exact(4).remainder());
+    let others = values.chunks_exact(4);
+    let tail: f64 = rest.iter().zip(others.remainder()).map(|(weight, value)| weight * value).sum();
+    for (weight, value) in fours.zip(others) {
+        for lane in 0..4 {
+            sums[lane] += weight[lane] * value[lane];
+        }
+    }
+    (sums[0] + sums[1]) + (sums[2] + sums[3]) + tail
 }
 
 fn primitive(s: f64) -> f64 {
