@@ -146,6 +146,13 @@ pub struct Physics {
 }
 
 impl Physics {
+    /// Whether it has states other than position and speed: bristles, the fluid's spring, a load behind a shaft.
+    pub fn remembers(&self) -> bool {
+        self.presliding.is_finite()
+            || self.load.is_some_and(|load| load.inertia_ratio > 0.0)
+            || self.damper.as_ref().is_some_and(|damper| damper.preyield.is_finite())
+    }
+
     /// The nominal machine of `[plant]`, without its `[[effects]]`.
     // Over 40 lines: one line for each field.
     pub fn nominal(machine: &Machine) -> Self {

@@ -5,10 +5,12 @@ mod model;
 mod observer;
 mod optimum;
 mod point;
+mod probe;
 mod track;
 mod whiten;
 mod windows;
 
 pub use model::model;
 pub use optimum::TimeFit;
+pub use probe::{Event, Probe};
 pub use windows::{HORIZON_S, Windows};

@@ -6,13 +6,6 @@ use plant::State;
 use crate::effects::{Damper, Load, Physics};
 use crate::screen::{Motion, damper};
 
-/// Whether a machine has states other than position and speed.
-pub(super) fn remembers(physics: &Physics) -> bool {
-    physics.presliding.is_finite()
-        || physics.load.is_some_and(|load| load.inertia_ratio > 0.0)
-        || physics.damper.as_ref().is_some_and(|damper| damper.preyield.is_finite())
-}
-
 /// One recording as an observer runs along it.
 #[derive(Debug, Clone)]
 pub(super) struct Observer {

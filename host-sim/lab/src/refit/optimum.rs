@@ -33,6 +33,8 @@ pub struct TimeFit {
     pub freedom: f64,
     /// Share of the windows whose noise is more than the model's.
     pub far: f64,
+    /// Robust sum of squares of each window.
+    pub(super) losses: Vec<f64>,
     /// Of each block: derivatives by derivatives, start states eliminated.
     pub(crate) normals: Vec<DMatrix<f64>>,
     /// Of each block: derivatives by residual.
@@ -68,11 +70,11 @@ impl TimeFit {
                 gauge.tracks.weigh(&noise);
                 point = gauge.weighed(point);
             }
-            point = descend(&gauge, gauge.rescued(point)?, count)?;
+            point = lowest(&gauge, gauge.rescued(point)?, count)?;
         }
         let first = gauge.rescued(gauge.settled(gauge.first(start)?, 6)?)?;
         let start_sse = first.loss();
-        if start_sse < point.loss() {
+        if start_sse < point.loss() && count > 0 {
             // Under the last weights the start may be better; then it is where the descent begins.
             point = descend(&gauge, first, count)?;
         }
@@ -87,16 +89,30 @@ impl TimeFit {
     pub fn without(&self, problem: &Problem, recordings: &[Recording], index: usize) -> Result<Self, Error> {
         let mut rest = self.active.clone();
         rest.remove(index);
+        self.rival(problem, recordings, &rest)
+    }
+
+    /// The optimum of other effects under the same weights, so that the squares of both compare.
+    ///
+    /// # Errors
+    /// Values that the plant refuses.
+    pub fn rival(&self, problem: &Problem, recordings: &[Recording], start: &[Active]) -> Result<Self, Error> {
         let fit = || {
-            let mut gauge = Gauge { problem, tracks: Tracks::new(problem, recordings) };
-            gauge.tracks.weigh(&self.noise);
-            let first = gauge.rescued(gauge.settled(gauge.first(&rest)?, 6)?)?;
-            let (start_sse, count) = (first.loss(), places(&rest).len());
-            let point = if count == 0 { first } else { descend(&gauge, first, count)? };
+            let gauge = self.gauge(problem, recordings);
+            let first = gauge.rescued(gauge.settled(gauge.first(start)?, 6)?)?;
+            let (start_sse, count) = (first.loss(), places(start).len());
+            let point = lowest(&gauge, first, count)?;
             let slopes = gauge.slopes(&point, true)?;
             Ok(Self::of(&gauge, point, &slopes, start_sse, self.noise.clone()))
         };
-        fit().map_err(|error: plant::Error| Error::Usage(format!("the machine without one effect: {error}")))
+        fit().map_err(|error: plant::Error| Error::Usage(format!("a machine with other effects: {error}")))
+    }
+
+    /// What evaluates points under the weights of this fit.
+    pub(super) fn gauge<'a>(&self, problem: &'a Problem, recordings: &[Recording]) -> Gauge<'a> {
+        let mut gauge = Gauge { problem, tracks: Tracks::new(problem, recordings) };
+        gauge.tracks.weigh(&self.noise);
+        gauge
     }
 
     fn of(gauge: &Gauge<'_>, point: Point, slopes: &[Slopes], start_sse: f64, noise: Vec<Noise>) -> Self {
@@ -129,12 +145,18 @@ impl TimeFit {
             blocks,
             freedom: spans.iter().map(|span| span.freedom()).sum(),
             far: point.shots.iter().filter(|shot| shot.weight < 1.0).count() as f64 / spans.len().max(1) as f64,
+            losses: point.shots.iter().map(|shot| shot.loss).collect(),
             active: point.active,
             normals,
             scores,
             noise,
         }
     }
+}
+
+/// The lowest point from a start; without values to move, that of the start states alone.
+fn lowest(gauge: &Gauge<'_>, start: Point, count: usize) -> Result<Point, plant::Error> {
+    if count == 0 { gauge.settled(start, 6) } else { descend(gauge, start, count) }
 }
 
 /// The noise of each recording that a point leaves; windows in motion tell it best.

@@ -6,7 +6,7 @@ use plant::{Command, Er, FluidResponse, Mechanics, Model, State, Timeline};
 use rayon::prelude::*;
 
 use super::model;
-use super::observer::{Observer, remembers};
+use super::observer::Observer;
 use super::whiten::{Noise, Whitener};
 use super::windows::{HORIZON_S, SETTLE_S};
 use crate::effects::Physics;
@@ -111,7 +111,7 @@ impl Tracks {
                     Arc::new(Timeline::new(&model, &track.t_s, &track.commands, &before)?)
                 }
             };
-            let inside = remembers(physics).then(|| {
+            let inside = physics.remembers().then(|| {
                 let rows: Vec<usize> =
                     self.spans.iter().filter(|span| span.track == index).map(|span| span.start).collect();
                 let mut states = vec![State::default(); track.t_s.len()];

@@ -5,7 +5,7 @@ use crate::effects::Physics;
 use plant::State;
 use rayon::prelude::*;
 
-use super::observer::{Observer, remembers};
+use super::observer::Observer;
 use crate::read::Recording;
 use crate::refit::model;
 use crate::residual::{Residual, residual_from};
@@ -41,7 +41,7 @@ impl Windows {
         let each = recordings.par_iter().enumerate();
         let residuals = each.map(|(index, recording)| {
             let model = model(physics, first + index);
-            let inside = if remembers(physics) {
+            let inside = if physics.remembers() {
                 let rows: Vec<usize> = (0..recording.t_s.len()).collect();
                 Observer::new(&Motion::new(recording, physics, resolution)).states(physics, &rows)
             } else {

@@ -48,7 +48,7 @@ impl Trial {
 /// Whether `fit` predicts the blocks significantly worse than `best`: paired over blocks, in squares or in shares of each
 /// block's own, and by more than a hair.
 pub fn worse(fit: &Fit, best: &Fit) -> bool {
-    paired_t(fit, best).max(relative_t(fit, best)) > WORSE_T
+    paired_t(fit, best).max(relative_t(&fit.heldout, &best.heldout)) > WORSE_T
         && fit.heldout_sse() - best.heldout_sse() > 0.01 * best.heldout_sse()
 }
 
@@ -75,11 +75,11 @@ const TOUCHED: f64 = 0.1;
 /// So many blocks must be touched for their own mean to count.
 const FEW: usize = 4;
 
-/// The same with each block's change relative to its size, over all blocks or over those that are touched at all: an effect
+/// t of the fall of squares over blocks, with each block's change relative to its size, over all blocks or over those that are touched at all: an effect
 /// that shows in a few strong blocks, as one of standstill does, is as certain as one that shows a little in all.
-pub(super) fn relative_t(from: &Fit, to: &Fit) -> f64 {
+pub(crate) fn relative_t(from: &[f64], to: &[f64]) -> f64 {
     let relative = |(a, b): (&f64, &f64)| (a + b > 0.0).then(|| (a - b) / (a + b));
-    let changes: Vec<f64> = from.heldout.iter().zip(&to.heldout).filter_map(relative).collect();
+    let changes: Vec<f64> = from.iter().zip(to).filter_map(relative).collect();
     let touched: Vec<f64> = changes.iter().copied().filter(|change| change.abs() > TOUCHED).collect();
     let all = t_of_mean(&changes);
     if touched.len() < FEW { all } else { all.max(t_of_mean(&touched)) }

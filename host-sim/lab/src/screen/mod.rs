@@ -1,6 +1,7 @@
 //! Screening in the weak form: which effects, on top of the nominal machine, predict blocks they were not fitted to.
 
 mod actuation;
+mod attempt;
 mod balance;
 mod candidates;
 mod fit;
@@ -24,8 +25,9 @@ pub use fit::Fit;
 pub(crate) use fit::{bounded_step, moved, places, solve_near};
 pub(crate) use instrument::effort_filter_s;
 pub use judge::{MAX_P, MIN_GAIN, Trial, worse};
-pub(crate) use judge::{MIN_T, f_test, t_of_mean};
+pub(crate) use judge::{MIN_T, f_test, relative_t, t_of_mean};
 pub use motion::Motion;
 pub use problem::{Active, Problem};
 pub use refitter::Refitter;
 pub use search::{Outcome, Search};
+pub(crate) use simplex::minimise;

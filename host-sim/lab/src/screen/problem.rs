@@ -1,5 +1,7 @@
 //! The recordings as one least-squares problem: residuals of the torque balance, in units of their own noise.
 
+use std::sync::Arc;
+
 use super::load::{Pull, pull};
 use super::motion::Motion;
 use super::{balance, weak};
@@ -24,10 +26,23 @@ pub struct Active {
 }
 
 impl Active {
+    /// The same where the torque balance of what moves tells nothing of the values: no fit of it moves them.
+    #[must_use]
+    pub fn held(&self) -> Self {
+        let ranges = self.values.iter().zip(&self.ranges);
+        let ranges = ranges.map(|(&value, range)| Range { low: value, high: value, scale: range.scale }).collect();
+        Self { ranges, ..self.clone() }
+    }
+
+    /// Whether it is held.
+    pub fn is_held(&self) -> bool {
+        self.ranges.iter().all(|range| range.low == range.high)
+    }
+
     /// Whether a value stands where the search ends: at no finite value of its own it is no such effect. A bound of zero
     /// is one that nature has.
     pub fn at_bound(&self) -> bool {
-        self.values.iter().zip(&self.ranges).any(|(value, range)| {
+        self.values.iter().zip(&self.ranges).filter(|(_, range)| range.high > range.low).any(|(value, range)| {
             let near = |bound: f64| bound.is_finite() && (value - bound).abs() <= 1e-6 * range.scale;
             near(range.high) || near(range.low) && range.low != 0.0
         })
@@ -66,19 +81,20 @@ pub struct Problem {
 #[derive(Debug, Clone)]
 pub(crate) struct Parts {
     physics: Physics,
-    drive: Vec<Vec<f64>>,
-    damper: Vec<Vec<f64>>,
-    friction: Vec<Vec<f64>>,
-    external: Vec<Vec<f64>>,
+    drive: Arc<Vec<Vec<f64>>>,
+    damper: Arc<Vec<Vec<f64>>>,
+    friction: Arc<Vec<Vec<f64>>>,
+    external: Arc<Vec<Vec<f64>>>,
     /// What a flexible load takes, and the inertia that stays with the rotor.
-    load: Option<(Vec<Pull>, f64)>,
+    load: Option<(Arc<Vec<Pull>>, f64)>,
 }
 
 impl Parts {
-    /// Torque on the rotor in one cell of one recording, without that of a load.
-    fn torque(&self, recording: usize, cell: usize) -> f64 {
-        self.drive[recording][cell] - self.damper[recording][cell] - self.friction[recording][cell]
-            + self.external[recording][cell]
+    /// Torque on the rotor in each cell of one recording, without that of a load.
+    fn torques(&self, recording: usize) -> impl Iterator<Item = f64> {
+        let drives = self.drive[recording].iter().zip(self.damper[recording].iter());
+        let others = self.friction[recording].iter().zip(self.external[recording].iter());
+        drives.zip(others).map(|((drive, damper), (friction, external))| drive - damper - friction + external)
     }
 }
 
@@ -132,17 +148,18 @@ impl Problem {
 
     /// Everything of the balance for a machine, reusing what `known` has in common with it.
     pub(crate) fn parts(&self, physics: &Physics, known: Option<&Parts>) -> Parts {
-        let each = |part: &dyn Fn(usize, &Motion) -> Vec<f64>| -> Vec<Vec<f64>> {
-            self.motions.iter().enumerate().map(|(index, motion)| part(index, motion)).collect()
+        let each = |part: &dyn Fn(usize, &Motion) -> Vec<f64>| -> Arc<Vec<Vec<f64>>> {
+            Arc::new(self.motions.iter().enumerate().map(|(index, motion)| part(index, motion)).collect())
         };
         let same = |key: fn(&Physics, &Physics) -> bool| known.filter(|known| key(&known.physics, physics));
         let mut parts = Parts {
-            drive: same(same_drive).map_or_else(|| each(&|_, m| balance::drive(physics, m)), |k| k.drive.clone()),
-            damper: same(same_damper).map_or_else(|| each(&|_, m| balance::damper(physics, m)), |k| k.damper.clone()),
+            drive: same(same_drive).map_or_else(|| each(&|_, m| balance::drive(physics, m)), |k| Arc::clone(&k.drive)),
+            damper: same(same_damper)
+                .map_or_else(|| each(&|_, m| balance::damper(physics, m)), |k| Arc::clone(&k.damper)),
             friction: same(same_friction)
-                .map_or_else(|| each(&|_, m| balance::friction(physics, m)), |k| k.friction.clone()),
+                .map_or_else(|| each(&|_, m| balance::friction(physics, m)), |k| Arc::clone(&k.friction)),
             external: same(same_external)
-                .map_or_else(|| each(&|i, m| balance::external(physics, m, i)), |k| k.external.clone()),
+                .map_or_else(|| each(&|i, m| balance::external(physics, m, i)), |k| Arc::clone(&k.external)),
             load: None,
             physics: physics.clone(),
         };
@@ -155,19 +172,21 @@ impl Problem {
         parts
     }
 
-    fn load(&self, parts: &Parts, load: &Load) -> Option<(Vec<Pull>, f64)> {
+    fn load(&self, parts: &Parts, load: &Load) -> Option<(Arc<Vec<Pull>>, f64)> {
         let inertia = parts.physics.inertia;
         let motor = inertia / (1.0 + load.inertia_ratio);
         let pulls = self.motions.iter().enumerate().map(|(index, motion)| {
-            let shown: Vec<f64> = (0..motion.cells())
-                .map(|cell| {
+            let shown: Vec<f64> = parts
+                .torques(index)
+                .enumerate()
+                .map(|(cell, torque)| {
                     let span = motion.t_s[cell + 1] - motion.t_s[cell];
-                    parts.torque(index, cell) - motor * (motion.speed[cell + 1] - motion.speed[cell]) / span
+                    torque - motor * (motion.speed[cell + 1] - motion.speed[cell]) / span
                 })
                 .collect();
             pull(motion, load, inertia, &shown)
         });
-        Some((pulls.collect(), motor))
+        Some((Arc::new(pulls.collect()), motor))
     }
 
     /// Residual of each equation, N m (N), unweighted: the acceleration that the model does not predict, times the nominal
@@ -176,14 +195,12 @@ impl Problem {
         let physics = &parts.physics;
         let inertia = parts.load.as_ref().map_or(physics.inertia, |(_, motor)| *motor);
         let nominal = self.nominal.inertia;
-        let cells: Vec<Vec<f64>> = self
-            .motions
-            .iter()
-            .enumerate()
-            .map(|(index, motion)| {
-                let pull = parts.load.as_ref().map(|(pulls, _)| &pulls[index].torque);
-                let pull = |cell: usize| pull.map_or(0.0, |pull| pull[cell]);
-                (0..motion.cells()).map(|cell| parts.torque(index, cell) - pull(cell)).collect()
+        let cells: Vec<Vec<f64>> = (0..self.motions.len())
+            .map(|index| match &parts.load {
+                Some((pulls, _)) => {
+                    parts.torques(index).zip(&pulls[index].torque).map(|(all, pull)| all - pull).collect()
+                }
+                None => parts.torques(index).collect(),
             })
             .collect();
         let true_position: Option<Vec<Vec<f64>>> = physics.eccentricity.map(|error| {

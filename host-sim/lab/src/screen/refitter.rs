@@ -25,6 +25,27 @@ impl<'a> Refitter<'a> {
         self.search.fitter().fit(active, ITERATIONS)
     }
 
+    /// A set of effects at its values.
+    pub fn at(&self, active: &[Active]) -> Fit {
+        self.search.fitter().fit(active, 0)
+    }
+
+    /// Whether an effect may stand beside others and this machine can have it.
+    pub fn may_join(&self, active: &[Active], effect: &'static Effect) -> bool {
+        let beside = !active.iter().any(|entry| conflicts(entry.effect, effect)) && !full(active, effect);
+        beside && self.search.applies(active, effect)
+    }
+
+    /// An effect with values, and the bounds that these recordings set.
+    pub fn entry(&self, effect: &'static Effect, values: Vec<f64>) -> Active {
+        self.search.entry(effect, values)
+    }
+
+    /// Start values of an effect on top of others.
+    pub fn starts(&self, active: &[Active], effect: &'static Effect) -> Vec<Active> {
+        self.search.starts(active, effect)
+    }
+
     /// Each effect that fits on top of a set, at their common optimum.
     pub fn each_on(&self, active: &[Active], vocabulary: &[&'static Effect]) -> Vec<(&'static Effect, Fit)> {
         let base = self.fit(active);
@@ -37,11 +58,11 @@ impl<'a> Refitter<'a> {
 
     /// p-value of the last effects of `fit` on top of `base`, uncorrected.
     pub fn p_value(&self, base: &Fit, fit: &Fit) -> f64 {
-        p_value(self.search.problem(), base, fit)
+        p_value(self.search.problem, base, fit)
     }
 
     /// How many neighbouring equations of a fit count as one.
     pub fn inflation(&self, fit: &Fit) -> f64 {
-        inflation(self.search.problem(), &fit.residual)
+        inflation(self.search.problem, &fit.residual)
     }
 }

@@ -2,9 +2,9 @@
 
 use rayon::prelude::*;
 
-use super::candidates::{excitation, orders_left, spans, stands_out};
-use super::fit::{Base, Fit, Fitter};
-use super::judge::{MIN_GAIN, Trial, p_value, paired_t, relative_t, worse};
+use super::candidates::{excitation, spans, stands_out};
+use super::fit::{Fit, Fitter};
+use super::judge::{MAX_P, MIN_GAIN, MIN_T, Trial, p_value, paired_t, relative_t, worse};
 use super::noise::weights;
 use super::problem::{Active, Problem};
 use crate::effects::{Effect, Excitation};
@@ -13,15 +13,17 @@ use crate::progress::Progress;
 /// Effects of a combination at most, orders of cogging counted as one.
 const MAX_EFFECTS: usize = 4;
 /// Entries at most: several orders of cogging are one effect.
-const MAX_ENTRIES: usize = 7;
-/// Start values that are fitted to the end.
-const FINALISTS: usize = 2;
-/// A start whose first step leaves more than this share of the squares is not worth a fit to the end.
-const HOPELESS: f64 = 0.985;
-/// Evaluations of a search without derivatives.
-const FEELS: usize = 120;
+pub(super) const MAX_ENTRIES: usize = 7;
 /// Iterations of a fit.
 pub(super) const ITERATIONS: usize = 12;
+
+/// An effect that alone predicts this much better, though not in enough blocks, may be half of a pair;
+const HALF: f64 = 0.1;
+/// so many of them are tried.
+const COUPLED: usize = 3;
+
+/// The scale of the drive stands for every other torque together: it comes last among equals.
+const SCALE: &str = "torque_gain";
 
 /// The one effect that is an event.
 const PULSE: &str = "disturbance_pulse";
@@ -67,16 +69,6 @@ pub(super) fn conflicts(a: &Effect, b: &Effect) -> bool {
         .any(|(group, ids)| ids.contains(&a.id) && ids.contains(&b.id) && (group != 1 || viscosity(a) || viscosity(b)))
 }
 
-/// Whether the residual has kinks in the values, so that a derivative at the start says little about the optimum.
-fn kinked(effect: &Effect) -> bool {
-    effect.id == "backlash"
-}
-
-fn duplicate(active: &[Active], entry: &Active) -> bool {
-    entry.effect.id == "cogging"
-        && active.iter().any(|other| other.effect.id == "cogging" && (other.values[0] - entry.values[0]).abs() < 0.5)
-}
-
 pub(super) fn full(active: &[Active], effect: &Effect) -> bool {
     let mut ids: Vec<&str> = active.iter().map(|entry| entry.effect.id).chain([effect.id]).collect();
     ids.sort_unstable();
@@ -87,11 +79,11 @@ pub(super) fn full(active: &[Active], effect: &Effect) -> bool {
 /// Searches a vocabulary over the recordings of a problem.
 #[derive(Debug)]
 pub struct Search<'a> {
-    problem: &'a Problem,
+    pub(super) problem: &'a Problem,
     vocabulary: &'a [&'static Effect],
     linear: bool,
-    weights: Vec<f64>,
-    excitation: Excitation,
+    pub(super) weights: Vec<f64>,
+    pub(super) excitation: Excitation,
     variants: usize,
 }
 
@@ -110,11 +102,6 @@ impl<'a> Search<'a> {
         Self { problem, vocabulary: &[], linear: excitation.linear, weights, excitation, variants: 0 }
     }
 
-    /// The problem that is searched.
-    pub(super) fn problem(&self) -> &'a Problem {
-        self.problem
-    }
-
     /// New weights and candidates from what is left by a model.
     fn weigh(&mut self, active: &[Active]) {
         let machine = self.problem.machine(active);
@@ -125,76 +112,6 @@ impl<'a> Search<'a> {
 
     pub(super) fn fitter(&self) -> Fitter<'_> {
         Fitter { problem: self.problem, weights: &self.weights }
-    }
-
-    /// The best values of an effect on top of a model.
-    pub(super) fn attempt(&self, base: &Fit, known: &Base, effect: &'static Effect) -> Option<(Fit, usize)> {
-        let machine = self.problem.machine(&base.active);
-        if !(effect.applies)(&machine, &self.excitation) {
-            return None;
-        }
-        let fitter = self.fitter();
-        let with = |entry: &Active| [base.active.as_slice(), std::slice::from_ref(entry)].concat();
-        let mut glimpsed: Vec<(f64, Active)> = (effect.starts)(&machine, &self.excitation)
-            .into_iter()
-            .map(|values| {
-                let ranges = effect.ranges(values.len(), &self.problem.nominal, &self.excitation);
-                Active { effect, values, ranges }
-            })
-            .filter(|entry| !duplicate(&base.active, entry))
-            .filter_map(|entry| {
-                let (sse, mut reached) = if kinked(effect) {
-                    fitter.feel(&with(&entry), known, 1)
-                } else {
-                    fitter.glimpse(&with(&entry), known)
-                };
-                reached.pop().map(|entry| (sse, entry))
-            })
-            .collect();
-        let variants = glimpsed.len();
-        glimpsed.sort_by(|a, b| a.0.total_cmp(&b.0));
-        if kinked(effect) {
-            // Where nothing on the grid is better than none of it, the rest is not worth the time.
-            glimpsed.truncate(if glimpsed.first().is_some_and(|best| best.0 < base.sse) { FINALISTS } else { 1 });
-            let promising = glimpsed.iter_mut().filter(|glimpsed| glimpsed.0 < base.sse);
-            promising.for_each(|glimpsed| feel_on(&fitter, base, known, glimpsed));
-        }
-        let (finalists, iterations) = match glimpsed.first() {
-            Some((sse, _)) if *sse > HOPELESS * base.sse => (1, 2),
-            _ => (FINALISTS, ITERATIONS),
-        };
-        let finalists = glimpsed.iter().take(finalists);
-        let fits = finalists.map(|(_, entry)| fitter.fit_on(&with(entry), iterations, known));
-        let best = fits.min_by(|a, b| a.sse.total_cmp(&b.sse))?;
-        Some((best, variants))
-    }
-
-    /// Cogging is one effect of several orders: adds them while each predicts better.
-    fn more_orders(&self, base: &Fit, first: Fit, effect: &'static Effect) -> Fit {
-        let fitter = self.fitter();
-        let mut best = first;
-        if 1.0 - (best.heldout_sse() / base.heldout_sse()).sqrt() < 0.5 * MIN_GAIN {
-            return best;
-        }
-        while best.active.len() < MAX_ENTRIES {
-            let raw: Vec<f64> = best.residual.iter().zip(&self.weights).map(|(r, w)| r / w).collect();
-            let orders = orders_left(self.problem, &raw, &self.excitation);
-            let size = 0.02 * self.excitation.torque_rms;
-            let entry = orders.first().map(|&order| {
-                let values = vec![order, size, size];
-                let ranges = effect.ranges(values.len(), &self.problem.nominal, &self.excitation);
-                Active { effect, values, ranges }
-            });
-            let Some(entry) = entry.filter(|entry| !duplicate(&best.active, entry)) else { break };
-            let known = fitter.base(&best);
-            let more = fitter.fit_on(&[best.active.as_slice(), &[entry]].concat(), ITERATIONS, &known);
-            let gain = 1.0 - (more.heldout_sse() / best.heldout_sse()).sqrt();
-            if gain < MIN_GAIN {
-                break;
-            }
-            best = more;
-        }
-        best
     }
 
     /// Every effect that fits on top of a model, best held-out first.
@@ -236,13 +153,13 @@ impl<'a> Search<'a> {
             let stands_out = stands_out(self.problem, base, &fit);
             (base.sse, fit.sse, if stands_out { f64::INFINITY } else { 0.0 })
         } else {
-            (base.heldout_sse(), fit.heldout_sse(), paired_t(base, &fit).max(relative_t(base, &fit)))
+            (base.heldout_sse(), fit.heldout_sse(), paired_t(base, &fit).max(relative_t(&base.heldout, &fit.heldout)))
         };
         Trial { effect, fit, gain: 1.0 - (after / before.max(1e-300)).sqrt(), p_value, t }
     }
 
     /// Among accepted trials, the simplest that predicts not significantly worse than the best; the scale of the drive last
-    /// among equals, because it stands for every other torque together. An event explains one place: it comes after
+    /// among equals. An event explains one place: it comes after
     /// everything that explains several.
     fn choose<'t>(&self, trials: &'t [Trial]) -> Option<&'t Trial> {
         let accepted = || trials.iter().filter(|trial| trial.accepted());
@@ -250,7 +167,7 @@ impl<'a> Search<'a> {
         if best.effect.id == PULSE {
             return Some(best);
         }
-        let cost = |trial: &Trial| (trial.fit.freedom(), trial.effect.id == "torque_gain");
+        let cost = |trial: &Trial| (trial.fit.freedom(), trial.effect.id == SCALE);
         let rivals = accepted().filter(|trial| cost(trial) < cost(best) && !worse(&trial.fit, &best.fit));
         rivals.min_by_key(|trial| cost(trial)).or(Some(best))
     }
@@ -295,7 +212,7 @@ impl<'a> Search<'a> {
     /// One effect more, members exchanged and dropped, under new weights; none where nothing more is accepted.
     fn forward(&mut self, base: &Fit, seen: &mut Vec<Trial>) -> Option<Fit> {
         let trials = self.round(base);
-        let chosen = self.choose(&trials).cloned();
+        let chosen = self.choose(&trials).cloned().or_else(|| self.couple(base, &trials));
         merge(seen, &trials);
         let fit = self.fitter().fit(&chosen?.fit.active, ITERATIONS);
         let fit = self.backward(self.exchange(fit, seen));
@@ -303,7 +220,19 @@ impl<'a> Search<'a> {
         Some(self.fitter().fit(&fit.active, ITERATIONS))
     }
 
-    /// Replaces one member by another effect where that predicts better.
+    /// Two effects at once, where neither is accepted alone: what one mends in one direction it may spoil in the other.
+    fn couple(&mut self, base: &Fit, trials: &[Trial]) -> Option<Trial> {
+        let strong = |trial: &&Trial| trial.gain >= HALF && trial.p_value < MAX_P && !trial.at_bound();
+        let halves = trials.iter().filter(strong).filter(|trial| trial.effect.id != PULSE).take(COUPLED);
+        let pairs: Vec<Trial> = halves.flat_map(|half| self.round(&half.fit)).collect();
+        let everywhere =
+            |trial: &Trial| paired_t(base, &trial.fit).max(relative_t(&base.heldout, &trial.fit.heldout)) >= MIN_T;
+        let accepted =
+            pairs.into_iter().filter(|trial| trial.effect.id != PULSE && trial.accepted() && everywhere(trial));
+        accepted.min_by(|a, b| a.fit.heldout_sse().total_cmp(&b.fit.heldout_sse()))
+    }
+
+    /// Replaces one member by another effect where that predicts better, or as well with fewer others beside it.
     fn exchange(&self, fit: Fit, seen: &[Trial]) -> Fit {
         if fit.active.len() < 2 {
             return fit;
@@ -313,6 +242,12 @@ impl<'a> Search<'a> {
             let gain = 1.0 - (candidate.heldout_sse() / best.heldout_sse()).sqrt();
             if gain > 0.01 && worse(&best, &candidate) {
                 best = candidate;
+            } else if candidate.active.last().is_some_and(|entry| entry.effect.id != SCALE) && !worse(&candidate, &best)
+            {
+                let smaller = self.backward(candidate);
+                if smaller.active.len() < best.active.len() && !worse(&smaller, &best) {
+                    best = smaller;
+                }
             }
         }
         best
@@ -354,17 +289,6 @@ impl<'a> Search<'a> {
                 None => return fit,
             }
         }
-    }
-}
-
-/// Goes on from a start without derivatives, with a scan between two passes.
-fn feel_on(fitter: &Fitter<'_>, base: &Fit, known: &Base, (sse, entry): &mut (f64, Active)) {
-    let start = [base.active.as_slice(), std::slice::from_ref(entry)].concat();
-    let (_, felt) = fitter.feel(&start, known, FEELS);
-    let (_, scanned) = fitter.scan(&felt, known);
-    let (low, mut reached) = fitter.feel(&scanned, known, FEELS);
-    if let Some(found) = reached.pop().filter(|_| low < *sse) {
-        (*sse, *entry) = (low, found);
     }
 }
 

@@ -7,7 +7,7 @@ const EDGE: f64 = 0.25;
 
 /// The lowest point found from a start, with its value, after at most `evaluations`.
 // Over 40 lines: one turn of the simplex, whose moves share all its corners.
-pub(super) fn minimise(
+pub(crate) fn minimise(
     start: &DVector<f64>,
     evaluations: usize,
     cost: impl Fn(&DVector<f64>) -> f64,

@@ -1,0 +1,117 @@
+//! One effect on top of a model: from its start values to its optimum.
+
+use super::candidates::orders_left;
+use super::fit::{Base, Fit, Fitter};
+use super::judge::MIN_GAIN;
+use super::problem::Active;
+use super::search::{ITERATIONS, MAX_ENTRIES, Search};
+use crate::effects::Effect;
+
+/// Start values that are fitted to the end.
+const FINALISTS: usize = 2;
+/// A start whose first step leaves more than this share of the squares is not worth a fit to the end.
+const HOPELESS: f64 = 0.985;
+/// Evaluations of a search without derivatives.
+const FEELS: usize = 120;
+
+/// Whether the residual has kinks in the values, so that a derivative at the start says little about the optimum.
+fn kinked(effect: &Effect) -> bool {
+    effect.id == "backlash"
+}
+
+fn duplicate(active: &[Active], entry: &Active) -> bool {
+    entry.effect.id == "cogging"
+        && active.iter().any(|other| other.effect.id == "cogging" && (other.values[0] - entry.values[0]).abs() < 0.5)
+}
+
+impl Search<'_> {
+    /// Whether the machine with some effects can have another.
+    pub(super) fn applies(&self, active: &[Active], effect: &Effect) -> bool {
+        (effect.applies)(&self.problem.machine(active), &self.excitation)
+    }
+
+    /// An effect with values, and the bounds that these recordings set.
+    pub(super) fn entry(&self, effect: &'static Effect, values: Vec<f64>) -> Active {
+        let ranges = effect.ranges(values.len(), &self.problem.nominal, &self.excitation);
+        Active { effect, values, ranges }
+    }
+
+    /// Start values of an effect on top of others.
+    pub(super) fn starts(&self, active: &[Active], effect: &'static Effect) -> Vec<Active> {
+        let starts = (effect.starts)(&self.problem.machine(active), &self.excitation);
+        starts.into_iter().map(|values| self.entry(effect, values)).collect()
+    }
+
+    /// The best values of an effect on top of a model.
+    pub(super) fn attempt(&self, base: &Fit, known: &Base, effect: &'static Effect) -> Option<(Fit, usize)> {
+        if !self.applies(&base.active, effect) {
+            return None;
+        }
+        let fitter = self.fitter();
+        let with = |entry: &Active| [base.active.as_slice(), std::slice::from_ref(entry)].concat();
+        let mut glimpsed: Vec<(f64, Active)> = self
+            .starts(&base.active, effect)
+            .into_iter()
+            .filter(|entry| !duplicate(&base.active, entry))
+            .filter_map(|entry| {
+                let (sse, mut reached) = if kinked(effect) {
+                    fitter.feel(&with(&entry), known, 1)
+                } else {
+                    fitter.glimpse(&with(&entry), known)
+                };
+                reached.pop().map(|entry| (sse, entry))
+            })
+            .collect();
+        let variants = glimpsed.len();
+        glimpsed.sort_by(|a, b| a.0.total_cmp(&b.0));
+        if kinked(effect) {
+            // Where nothing on the grid is better than none of it, the rest is not worth the time.
+            glimpsed.truncate(if glimpsed.first().is_some_and(|best| best.0 < base.sse) { FINALISTS } else { 1 });
+            let promising = glimpsed.iter_mut().filter(|glimpsed| glimpsed.0 < base.sse);
+            promising.for_each(|glimpsed| feel_on(&fitter, base, known, glimpsed));
+        }
+        let (finalists, iterations) = match glimpsed.first() {
+            Some((sse, _)) if *sse > HOPELESS * base.sse => (1, 2),
+            _ => (FINALISTS, ITERATIONS),
+        };
+        let finalists = glimpsed.iter().take(finalists);
+        let fits = finalists.map(|(_, entry)| fitter.fit_on(&with(entry), iterations, known));
+        let best = fits.min_by(|a, b| a.sse.total_cmp(&b.sse))?;
+        Some((best, variants))
+    }
+
+    /// Cogging is one effect of several orders: adds them while each predicts better.
+    pub(super) fn more_orders(&self, base: &Fit, first: Fit, effect: &'static Effect) -> Fit {
+        let fitter = self.fitter();
+        let mut best = first;
+        if 1.0 - (best.heldout_sse() / base.heldout_sse()).sqrt() < 0.5 * MIN_GAIN {
+            return best;
+        }
+        while best.active.len() < MAX_ENTRIES {
+            let raw: Vec<f64> = best.residual.iter().zip(&self.weights).map(|(r, w)| r / w).collect();
+            let orders = orders_left(self.problem, &raw, &self.excitation);
+            let size = 0.02 * self.excitation.torque_rms;
+            let entry = orders.first().map(|&order| self.entry(effect, vec![order, size, size]));
+            let Some(entry) = entry.filter(|entry| !duplicate(&best.active, entry)) else { break };
+            let known = fitter.base(&best);
+            let more = fitter.fit_on(&[best.active.as_slice(), &[entry]].concat(), ITERATIONS, &known);
+            let gain = 1.0 - (more.heldout_sse() / best.heldout_sse()).sqrt();
+            if gain < MIN_GAIN {
+                break;
+            }
+            best = more;
+        }
+        best
+    }
+}
+
+/// Goes on from a start without derivatives, with a scan between two passes.
+fn feel_on(fitter: &Fitter<'_>, base: &Fit, known: &Base, (sse, entry): &mut (f64, Active)) {
+    let start = [base.active.as_slice(), std::slice::from_ref(entry)].concat();
+    let (_, felt) = fitter.feel(&start, known, FEELS);
+    let (_, scanned) = fitter.scan(&felt, known);
+    let (low, mut reached) = fitter.feel(&scanned, known, FEELS);
+    if let Some(found) = reached.pop().filter(|_| low < *sse) {
+        (*sse, *entry) = (low, found);
+    }
+}
