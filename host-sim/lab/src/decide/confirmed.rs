@@ -51,7 +51,8 @@ fn take_back(searched: &mut Searched, index: usize) -> &'static Effect {
 fn insignificant(searched: &Searched) -> Option<usize> {
     let outcome = &searched.outcome;
     let refitter = Refitter::new(&searched.problem, outcome);
-    (0..outcome.fit.active.len()).find(|&index| {
+    let shown = (0..outcome.fit.active.len()).filter(|&index| !outcome.fit.active[index].is_held());
+    shown.into_iter().find(|&index| {
         let mut rest = outcome.fit.active.clone();
         rest.remove(index);
         refitter.p_value(&refitter.fit(&rest), &outcome.fit) * outcome.variants as f64 >= MAX_P
@@ -60,10 +61,15 @@ fn insignificant(searched: &Searched) -> Option<usize> {
 
 /// The effects found, with values from the time domain where it holds.
 fn refine(request: &Request<'_>, searched: &Searched, notes: &mut Vec<String>) -> Refined {
-    let (problem, fit) = (&searched.problem, &searched.outcome.fit);
-    let inflation = Refitter::new(problem, &searched.outcome).inflation(fit);
+    let (problem, refitter) = (&searched.problem, Refitter::new(&searched.problem, &searched.outcome));
+    let inflation = refitter.inflation(&searched.outcome.fit);
     let resolution = request.machine.axis.resolution;
-    Refined::new(problem, &searched.recordings[..problem.fitted], fit, inflation, resolution, notes)
+    let mut fit = searched.outcome.fit.clone();
+    // What the torque balance holds is free where it is simulated.
+    for entry in fit.active.iter_mut().filter(|entry| entry.is_held()) {
+        *entry = refitter.entry(entry.effect, entry.values.clone());
+    }
+    Refined::new(problem, &searched.recordings[..problem.fitted], &fit, inflation, resolution, notes)
 }
 
 /// The weakest of the effects that simulation does as well without.
@@ -103,7 +109,7 @@ fn unconfirmed(request: &Request<'_>, searched: &Searched, refined: &Refined) ->
 }
 
 /// p-value of what a fit in the time domain gains over a smaller one.
-fn improvement(without: &TimeFit, with: &TimeFit) -> f64 {
+pub(super) fn improvement(without: &TimeFit, with: &TimeFit) -> f64 {
     let values = |fit: &TimeFit| fit.scores.first().map_or(0, |score| score.len());
     let added = values(with).saturating_sub(values(without)).max(1) as f64;
     let left = (with.freedom - values(with) as f64).max(1.0);

@@ -2,11 +2,16 @@
 
 use super::checks::self_checks;
 use super::closest::closest;
+use super::coincidence::coincidences;
 use super::confirmed::confirm;
 use super::controller::mismatch;
+use super::equivalents::contested;
 use super::fitted::fit_answer;
+use super::gap;
 use super::named::{effects, rejected};
 use super::prepare::{Searched, search};
+use super::refined::Refined;
+use super::simulated::shown;
 use super::twin::Twins;
 use super::verdict::{verdict, warnings};
 use crate::Error;
@@ -61,14 +66,13 @@ pub fn diagnose(request: &Request<'_>) -> Result<Diagnosis, Error> {
         let message = "nothing moves long enough in one direction to be judged; record more motion".to_owned();
         return Err(Error::Usage(format!("{}: {message}", names.join(", "))));
     }
-    let (refined, taken_back) = confirm(request, &mut searched, &mut notes);
-    stages.done("refit");
+    let Decided { refined, taken_back, alike } = decide(request, &mut searched, &mut notes, &mut stages);
     let controller = request.machine.controller.as_ref().and_then(|law| mismatch(law, &files, &mut notes));
     let (verdict, answer) = match controller {
         Some(effect) => (Verdict::Controller, vec![effect]),
-        None => (Verdict::None, effects(request, &searched, &refined)),
+        None => (Verdict::None, effects(request, &searched, &refined, &alike)),
     };
-    stages.done("controller and equivalents");
+    stages.done("controller and evidence");
     let improved = searched.problem.machine(&refined.active);
     let mut diagnosis = Diagnosis {
         answer: Answer { schema: 1, verdict, effects: answer, ..Answer::default() },
@@ -82,6 +86,38 @@ pub fn diagnose(request: &Request<'_>) -> Result<Diagnosis, Error> {
     Ok(diagnosis)
 }
 
+/// The best model as simulation leaves it.
+struct Decided {
+    refined: Refined,
+    /// Effects that the search found and simulation does not miss.
+    taken_back: Vec<&'static Effect>,
+    /// For each effect those that cannot be told from it.
+    alike: Vec<Vec<&'static Effect>>,
+}
+
+/// What the search found, as far as simulation confirms it, with what only simulation shows.
+fn decide(request: &Request<'_>, searched: &mut Searched, notes: &mut Vec<String>, stages: &mut Stages) -> Decided {
+    let (mut refined, mut taken_back) = confirm(request, searched, notes);
+    stages.done("refit");
+    while let Some(shown) = shown(request, searched, &refined) {
+        let count = searched.outcome.fit.active.len();
+        searched.hold(shown);
+        let (again, more) = confirm(request, searched, notes);
+        refined = again;
+        taken_back.extend(more);
+        if searched.outcome.fit.active.len() <= count {
+            break;
+        }
+    }
+    stages.done("simulated effects");
+    let (refined, alike) = contested(request, searched, refined, notes);
+    searched.follow(&refined);
+    stages.done("equivalents");
+    let refined = gap::settled(request, searched, refined);
+    stages.done("gap");
+    Decided { refined, taken_back, alike }
+}
+
 /// The verdict and everything that depends on it.
 fn judge(
     request: &Request<'_>,
@@ -89,19 +125,20 @@ fn judge(
     diagnosis: &mut Diagnosis,
     notes: Vec<String>,
 ) -> Result<(), Error> {
-    let (problem, outcome) = (&searched.problem, &searched.outcome);
-    let axis = request.machine.axis.kind;
-    let left = leftover(problem, &outcome.fit, axis);
+    let (problem, axis) = (&searched.problem, request.machine.axis.kind);
+    let left = leftover(problem, &searched.outcome.fit, axis);
     let twins = Twins::of(request, searched, &diagnosis.improved);
     diagnosis.stages.done("twins");
     let Diagnosis { answer, nominal, improved, proposal, stages } = diagnosis;
     answer.fit = fit_answer(request, searched, (nominal, improved), &mut answer.effects, &twins)?;
     answer.effects.sort_by(|a, b| b.evidence.heldout_gain.total_cmp(&a.evidence.heldout_gain));
     stages.done("windows");
+    let coincidences = coincidences(problem, &answer.effects, improved, request.vocabulary);
     if answer.verdict != Verdict::Controller {
-        answer.verdict = verdict(searched, &answer.effects, &answer.fit, &left, &twins);
+        answer.verdict = verdict(searched, answer, &left, &twins, &coincidences);
     }
     answer.warnings = notes;
+    answer.warnings.extend(coincidences);
     answer.warnings.extend(warnings(searched, &left, answer.verdict));
     answer.warnings.extend(self_checks(problem, &searched.recordings[..problem.fitted], request.vocabulary));
     answer.warnings.extend(twins.warnings);
@@ -112,7 +149,7 @@ fn judge(
         *proposal = for_ambiguous(
             request.machine,
             request.recordings,
-            (problem, outcome),
+            (problem, &searched.outcome),
             &answer.effects,
             answer.fit.noise_floor_rms,
         );

@@ -1,33 +1,121 @@
-//! What these recordings cannot tell from the answer.
+//! What these recordings cannot tell from the answer, and what simulation tells better than the torque balance.
 
+use super::confirmed::confirm;
+use super::prepare::Searched;
+use super::{Refined, Request};
 use crate::effects::Effect;
-use crate::screen::{Fit, Refitter, worse};
+use crate::refit::TimeFit;
+use crate::screen::{Active, Fit, Refitter, relative_t, t_of_mean, worse};
 
 /// How many are listed at most.
 const LISTED: usize = 3;
+/// An effect whose held-out squares in the torque balance are no more than this many times the best model's is simulated too:
+/// the bumps blur what is finer than they are.
+const NEAR: f64 = 1.5;
+/// So many of them for each effect.
+const SIMULATED: usize = 2;
+/// Mean square of the residual in units of its noise above which it is not noise alone.
+const NOISE: f64 = 2.0;
+/// t from which one simulation is worse than another, as in the weak form.
+const WORSE_T: f64 = 2.5;
+/// Exchanges at most.
+const EXCHANGES: usize = 2;
 
-/// Effects that, put in the place of one effect of the best model, predict not significantly worse: those of the fewest
-/// parameters first, then by prediction. None has more parameters than the effect it replaces has.
-pub fn equivalents(
-    refitter: &Refitter<'_>,
-    best: &Fit,
-    index: usize,
-    vocabulary: &[&'static Effect],
-) -> Vec<&'static Effect> {
+/// An effect in the place of one of the best model.
+struct Rival {
+    effect: &'static Effect,
+    fit: Fit,
+}
+
+/// Exchanges effects for those that simulate better, and gives for each effect of the model that is left those that predict
+/// not significantly worse in its place: those of the fewest parameters first, then by prediction.
+pub(super) fn contested(
+    request: &Request<'_>,
+    searched: &mut Searched,
+    refined: Refined,
+    notes: &mut Vec<String>,
+) -> (Refined, Vec<Vec<&'static Effect>>) {
+    let mut refined = refined;
+    for turn in 0..=EXCHANGES {
+        let refitter = Refitter::new(&searched.problem, &searched.outcome);
+        let mut alike = Vec::new();
+        let mut better = None;
+        for index in 0..searched.outcome.fit.active.len() {
+            let entry = &searched.outcome.fit.active[index];
+            if let Some(shown) = searched.shown(entry) {
+                alike.push(shown.alike.clone());
+                continue;
+            }
+            let mut rivals = rivals(&refitter, &searched.outcome.fit, index, request.vocabulary);
+            let found = simulated(searched, &refined, index, &mut rivals);
+            better = better.or_else(|| found.filter(|_| turn < EXCHANGES));
+            rivals.retain(|rival| !worse(&rival.fit, &searched.outcome.fit));
+            alike.push(rivals.into_iter().take(LISTED).map(|rival| rival.effect).collect());
+        }
+        let Some(active) = better else { return (refined, alike) };
+        let fit = refitter.fit(&active);
+        searched.outcome.fit = fit;
+        (refined, _) = confirm(request, searched, notes);
+    }
+    (refined, Vec::new())
+}
+
+/// Every effect that may stand in the place of one of the best model and has no more parameters, best first.
+fn rivals(refitter: &Refitter<'_>, best: &Fit, index: usize, vocabulary: &[&'static Effect]) -> Vec<Rival> {
     let replaced = &best.active[index];
     let freedom = replaced.effect.freedom(&replaced.values);
     let mut rest = best.active.clone();
     rest.remove(index);
-    let mut found: Vec<(usize, f64, &'static Effect)> = refitter
-        .each_on(&rest, vocabulary)
-        .into_iter()
+    let each = refitter.each_on(&rest, vocabulary).into_iter();
+    let mut found: Vec<(usize, Rival)> = each
         .filter(|(effect, _)| effect.id != replaced.effect.id)
         .filter_map(|(effect, fit)| {
             let entry = fit.active.last().filter(|entry| !entry.at_bound())?;
             let own = effect.freedom(&entry.values);
-            (own <= freedom && !worse(&fit, best)).then(|| (own, fit.heldout_sse(), effect))
+            (own <= freedom).then_some((own, Rival { effect, fit }))
         })
         .collect();
-    found.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
-    found.into_iter().take(LISTED).map(|(_, _, effect)| effect).collect()
+    found.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.fit.heldout_sse().total_cmp(&b.1.fit.heldout_sse())));
+    found.into_iter().map(|(_, rival)| rival).collect()
+}
+
+/// Simulates the nearest rivals of one effect where the best model itself was: takes those out that are worse, and gives the
+/// effects with the one that is better.
+fn simulated(searched: &Searched, refined: &Refined, index: usize, rivals: &mut Vec<Rival>) -> Option<Vec<Active>> {
+    let (problem, best) = (&searched.problem, &searched.outcome.fit);
+    // What is left must be noise, or squares are no measure of what is likely.
+    if best.sse > NOISE * best.residual_count() {
+        return None;
+    }
+    let time = refined.time.as_ref().filter(|_| !problem.machine(&best.active).remembers())?;
+    let recordings = &searched.recordings[..problem.fitted];
+    let limit = NEAR * best.heldout_sse();
+    let mut near: Vec<usize> = (0..rivals.len()).filter(|&rank| rivals[rank].fit.heldout_sse() < limit).collect();
+    near.sort_by(|&a, &b| rivals[a].fit.heldout_sse().total_cmp(&rivals[b].fit.heldout_sse()));
+    near.truncate(SIMULATED);
+    let mut better: Option<TimeFit> = None;
+    let mut dropped = Vec::new();
+    for rank in near {
+        let mut active = time.active.clone();
+        active.remove(index);
+        active.extend(rivals[rank].fit.active.last().cloned());
+        if problem.machine(&active).remembers() {
+            continue;
+        }
+        let Ok(fit) = time.rival(problem, recordings, &active) else { continue };
+        if t(&fit, time) > WORSE_T {
+            dropped.push(rivals[rank].effect);
+        } else if t(time, &fit) > WORSE_T && fit.sse < better.as_ref().map_or(time.sse, |other| other.sse) {
+            better = Some(fit);
+        }
+    }
+    rivals.retain(|rival| !dropped.contains(&rival.effect));
+    better.map(|fit| fit.active)
+}
+
+/// How much worse the first predicts the blocks than the second.
+fn t(fit: &TimeFit, than: &TimeFit) -> f64 {
+    let pairs = fit.heldout.iter().zip(&than.heldout).filter(|(a, b)| **a > 0.0 || **b > 0.0);
+    let changes: Vec<f64> = pairs.map(|(a, b)| a - b).collect();
+    t_of_mean(&changes).max(relative_t(&fit.heldout, &than.heldout))
 }

@@ -2,22 +2,24 @@
 
 mod checks;
 mod closest;
+mod coincidence;
 mod confirmed;
 mod controller;
 mod diagnose;
 mod equivalents;
 mod fitted;
+mod gap;
 mod intervals;
 mod named;
 mod prepare;
 mod refined;
+mod simulated;
 #[cfg(test)]
 pub(crate) mod testing;
 pub mod twin;
 mod verdict;
 
 pub use diagnose::{Diagnosis, Request, diagnose};
-pub use equivalents::equivalents;
 pub(crate) use fitted::explained;
 pub use intervals::{Covariance, intervals};
 pub use refined::Refined;

@@ -2,61 +2,77 @@
 
 use super::fitted::explained;
 use super::prepare::Searched;
-use super::{Refined, Request, equivalents, intervals};
+use super::{Refined, Request, intervals, simulated};
 use crate::effects::Effect;
 use crate::read::{AxisKind, vocabulary};
 use crate::report::{EffectAnswer, Evidence, Interval, Rejected};
 use crate::screen::{Active, Fit, MAX_P, MIN_GAIN, Outcome, Problem, Refitter, Trial};
 
 /// Every effect of the best model with its evidence.
-pub(super) fn effects(request: &Request<'_>, searched: &Searched, refined: &Refined) -> Vec<EffectAnswer> {
-    let (problem, outcome) = (&searched.problem, &searched.outcome);
-    let refitter = Refitter::new(problem, outcome);
-    let each = 0..outcome.fit.active.len();
+pub(super) fn effects(
+    request: &Request<'_>,
+    searched: &Searched,
+    refined: &Refined,
+    alike: &[Vec<&'static Effect>],
+) -> Vec<EffectAnswer> {
+    let refitter = Refitter::new(&searched.problem, &searched.outcome);
+    let each = 0..searched.outcome.fit.active.len();
     let mut effects: Vec<EffectAnswer> =
-        each.map(|index| effect_answer(request, problem, &refitter, outcome, refined, index)).collect();
-    effects.extend(glitches(request, problem));
+        each.map(|index| effect_answer(request, searched, &refitter, (refined, alike), index)).collect();
+    effects.extend(glitches(request, &searched.problem));
     effects
 }
 
 fn effect_answer(
     request: &Request<'_>,
-    problem: &Problem,
+    searched: &Searched,
     refitter: &Refitter<'_>,
-    outcome: &Outcome,
-    refined: &Refined,
+    (refined, alike): (&Refined, &[Vec<&'static Effect>]),
     index: usize,
 ) -> EffectAnswer {
+    let (problem, outcome) = (&searched.problem, &searched.outcome);
     let fit = &outcome.fit;
     let entry = &fit.active[index];
     let mut rest = fit.active.clone();
     rest.remove(index);
     let without: Fit = refitter.fit(&rest);
     let floor = fit.residual_count();
-    let evidence = Evidence {
+    let simulated = if entry.is_held() { simulated::evidence(searched, refined, index) } else { None };
+    let evidence = simulated.unwrap_or_else(|| Evidence {
         heldout_gain: 1.0 - (fit.heldout_sse() / without.heldout_sse().max(1e-300)).sqrt(),
         p_value: (refitter.p_value(&without, fit) * outcome.variants as f64).min(1.0),
         excess_explained: explained(without.sse, fit.sse, floor),
-    };
-    let axis = request.machine.axis.kind;
+    });
+    let recording = (entry.effect.id == "disturbance_pulse")
+        .then(|| problem.motions.get(entry.values[0] as usize).map(|motion| motion.name.clone()))
+        .flatten();
+    let others = alike.get(index).map_or(&[] as &[&Effect], Vec::as_slice);
+    EffectAnswer {
+        id: entry.effect.id.to_owned(),
+        text: entry.effect.sentence.to_owned(),
+        equivalent: others.iter().map(|effect| effect.id.to_owned()).collect(),
+        parameters: values(searched, refined, index, request.machine.axis.kind),
+        evidence,
+        recording,
+    }
+}
+
+/// Values of one effect with their intervals.
+fn values(searched: &Searched, refined: &Refined, index: usize, axis: AxisKind) -> Vec<Interval> {
+    let entry = &searched.outcome.fit.active[index];
     let names = vocabulary::effect(entry.effect.id).map_or(&[] as &[vocabulary::Parameter], |kind| kind.parameters);
     let mut values = intervals(&refined.active, &refined.covariance, index);
     let weak = (entry.effect.report)(&entry.values);
     names.iter().zip(&mut values).zip(weak).for_each(|((name, value), weak)| *value = widened(name, *value, weak));
     let mut parameters = parameters(names, &values, axis);
-    within_bounds(&refined.active[index], &mut parameters);
-    let recording = (entry.effect.id == "disturbance_pulse")
-        .then(|| problem.motions.get(entry.values[0] as usize).map(|motion| motion.name.clone()))
-        .flatten();
-    let others = equivalents(refitter, fit, index, request.vocabulary);
-    EffectAnswer {
-        id: entry.effect.id.to_owned(),
-        text: entry.effect.sentence.to_owned(),
-        equivalent: others.iter().map(|effect| effect.id.to_owned()).collect(),
-        parameters,
-        evidence,
-        recording,
+    if let Some((_, spans)) = refined.spans.as_ref().filter(|(at, _)| *at == index) {
+        wider(&mut parameters, spans);
     }
+    if let Some(reach) = searched.shown(entry).and_then(|shown| shown.reach) {
+        wider(&mut parameters, &reach);
+    }
+    within_bounds(&refined.active[index], &mut parameters);
+    parameters
 }
 
 /// Two estimates of the same data, in the time domain and in the weak form, that differ show what the form of the model
@@ -66,6 +82,13 @@ fn widened(name: &vocabulary::Parameter, (value, half): (f64, f64), weak: f64) -
     let turn = std::f64::consts::TAU;
     let apart = if name.id(AxisKind::Rotary) == "phase_rad" { apart - turn * (apart / turn).round() } else { apart };
     (value, half.hypot(apart))
+}
+
+/// Intervals that reach at least as far as other values were found to be as likely.
+fn wider(parameters: &mut [Interval], spans: &[(f64, f64)]) {
+    for (parameter, (low, high)) in parameters.iter_mut().zip(spans) {
+        (parameter.low, parameter.high) = (parameter.low.min(*low), parameter.high.max(*high));
+    }
 }
 
 /// No interval leaves what physics allows; only for values that are reported as they are fitted.

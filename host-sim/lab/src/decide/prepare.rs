@@ -2,11 +2,12 @@
 
 use rayon::prelude::*;
 
-use super::Request;
+use super::simulated::Shown;
+use super::{Refined, Request};
 use crate::effects::Physics;
 use crate::progress::{Progress, Stages};
 use crate::read::{AxisKind, Recording};
-use crate::screen::{Active, Motion, Outcome, Problem, Search, effort_filter_s};
+use crate::screen::{Active, Motion, Outcome, Problem, Refitter, Search, effort_filter_s};
 
 /// What was searched, and how it ended.
 #[derive(Debug)]
@@ -17,8 +18,43 @@ pub(super) struct Searched {
     pub outcome: Outcome,
     /// The recordings, to fit and then only to predict, with their torque made good.
     pub recordings: Vec<Recording>,
+    /// Effects that simulation found.
+    pub simulated: Vec<Shown>,
     /// Time constant of the filter that the recorded torque was measured behind, s.
     pub effort_filter_s: Option<f64>,
+}
+
+impl Searched {
+    /// Takes an effect in that simulation found: it is held in the torque balance, which does not show it.
+    pub(super) fn hold(&mut self, shown: Shown) {
+        let Some((last, others)) = shown.active.split_last() else { return };
+        let held = self
+            .outcome
+            .fit
+            .active
+            .iter()
+            .zip(others)
+            .map(|(entry, now)| if entry.is_held() { now.held() } else { entry.clone() });
+        let active: Vec<Active> = held.chain([last.held()]).collect();
+        self.outcome.fit = Refitter::new(&self.problem, &self.outcome).at(&active);
+        self.simulated.push(shown);
+    }
+
+    /// How simulation found an entry of the model; none where the torque balance did.
+    pub(super) fn shown(&self, entry: &Active) -> Option<&Shown> {
+        self.simulated.iter().find(|shown| entry.is_held() && shown.effect() == Some(entry.effect))
+    }
+
+    /// Held values as the refit left them.
+    pub(super) fn follow(&mut self, refined: &Refined) {
+        if !self.outcome.fit.active.iter().any(Active::is_held) {
+            return;
+        }
+        let pairs = self.outcome.fit.active.iter().zip(&refined.active);
+        let active: Vec<Active> =
+            pairs.map(|(entry, now)| if entry.is_held() { now.held() } else { entry.clone() }).collect();
+        self.outcome.fit = Refitter::new(&self.problem, &self.outcome).at(&active);
+    }
 }
 
 /// Searches twice: the smoother knew the nominal torques only; with those of the improved machine reversals are where they
@@ -37,7 +73,12 @@ pub(super) fn search(request: &Request<'_>, nominal: &Physics, stages: &mut Stag
     stages.done("prepare");
     let outcome = run(request, &problem, &[]);
     stages.done("search");
-    again(request, Searched { problem, outcome, recordings, effort_filter_s: filter }, nominal, stages)
+    again(
+        request,
+        Searched { problem, outcome, recordings, simulated: Vec::new(), effort_filter_s: filter },
+        nominal,
+        stages,
+    )
 }
 
 fn problem(request: &Request<'_>, recordings: &[Recording], nominal: &Physics) -> Problem {

@@ -17,6 +17,8 @@ pub struct Refined {
     pub covariance: Covariance,
     /// The fit in the time domain, where it is the one that is reported.
     pub time: Option<TimeFit>,
+    /// Values of one effect that are as likely as the best, where they were felt out: its index, and the ends of each.
+    pub spans: Option<(usize, Vec<(f64, f64)>)>,
 }
 
 impl Refined {
@@ -30,14 +32,18 @@ impl Refined {
         resolution: f64,
         warnings: &mut Vec<String>,
     ) -> Self {
-        let weak =
-            || Self { active: fit.active.clone(), covariance: Covariance::new(problem, fit, inflation), time: None };
+        let weak = || Self {
+            active: fit.active.clone(),
+            covariance: Covariance::new(problem, fit, inflation),
+            time: None,
+            spans: None,
+        };
         if fit.active.is_empty() {
             return weak();
         }
         match TimeFit::new(problem, recordings, &fit.active, resolution) {
             Ok(time) if time.far <= FAR && time.sse <= time.start_sse && informed(&time, fit, problem) => {
-                Self { active: time.active.clone(), covariance: covariance(&time), time: Some(time) }
+                Self { active: time.active.clone(), covariance: covariance(&time), time: Some(time), spans: None }
             }
             Ok(time) if time.far <= FAR => weak(),
             Ok(time) => {
@@ -61,10 +67,12 @@ impl Refined {
 fn informed(time: &TimeFit, fit: &Fit, problem: &Problem) -> bool {
     let mut column = 0;
     fit.active.iter().all(|entry| {
+        // A push may begin or end while the rotor holds; its interval says so.
+        let event = entry.effect.id == "disturbance_pulse";
         (0..entry.values.len()).filter(|&value| entry.effect.parameter(value).free).all(|value| {
             let known = time.normals.iter().any(|normal| normal[(column, column)] > 0.0);
             column += 1;
-            known || entry.effect.recording_of(value).is_some_and(|recording| recording >= problem.fitted)
+            event || known || entry.effect.recording_of(value).is_some_and(|recording| recording >= problem.fitted)
         })
     })
 }

@@ -4,8 +4,8 @@ use super::fitted::explained;
 use super::prepare::Searched;
 use super::twin::Twins;
 use crate::locate::Leftover;
-use crate::report::{EffectAnswer, FitAnswer, Verdict};
-use crate::screen::MIN_GAIN;
+use crate::report::{Answer, EffectAnswer, FitAnswer, Verdict};
+use crate::screen::{Active, MIN_GAIN};
 
 /// Share of the excess that a model must explain to be named: substitutes explain 0.5 in the median and 0.8 at the 95th
 /// percentile (diagnosis.md).
@@ -19,18 +19,28 @@ const WHOLE: f64 = 0.98;
 const OVER_FLOOR: f64 = 3.0;
 /// The same for a model with a memory.
 const OVER_FLOOR_WITH_MEMORY: f64 = 10.0;
+/// Above this many times the floor something is left: the roughness of a real machine, or what a substitute misses.
+const LEFT: f64 = 1.25;
+/// It is roughness where the residual of the torque balance is more than this many times its noise, in mean squares, too;
+const ROUGH: f64 = 4.0;
+/// and a substitute's where it is this share of what the weakest effect explains in the windows.
+const COMPARABLE: f64 = 0.45;
+/// A floor this many times what the recording leaves was made from noise that is none.
+const SWALLOWED: f64 = 1.8;
+/// Held-out gain by the means over a channel of state: the true model leaves less of the residual to predict.
+const PREDICTABLE: f64 = 0.15;
 /// An effect that lowers the held-out error by less does not make the whole answer uncertain where it has equivalents.
 const MINOR: f64 = 0.1;
 
 /// The verdict where the controller is right or not known.
 pub(super) fn verdict(
     searched: &Searched,
-    effects: &[EffectAnswer],
-    fit: &FitAnswer,
+    answer: &Answer,
     left: &Leftover,
     twins: &Twins,
+    coincidences: &[String],
 ) -> Verdict {
-    if is_unknown(searched, fit, left, twins) {
+    if !coincidences.is_empty() || is_unknown(searched, answer, left, twins) {
         return Verdict::Unknown;
     }
     let uncertain = |effect: &EffectAnswer| {
@@ -38,7 +48,7 @@ pub(super) fn verdict(
         let phantom = twins.falsely_found.contains(&effect.id.as_str());
         phantom || !effect.equivalent.is_empty() && effect.evidence.heldout_gain > MINOR
     };
-    match effects {
+    match answer.effects.as_slice() {
         [] => Verdict::None,
         effects if effects.iter().any(uncertain) => Verdict::Ambiguous,
         _ => Verdict::Named,
@@ -46,23 +56,35 @@ pub(super) fn verdict(
 }
 
 /// Whether something is left that the best model should have explained.
-fn is_unknown(searched: &Searched, fit: &FitAnswer, left: &Leftover, twins: &Twins) -> bool {
-    let outcome = &searched.outcome;
-    let physics = searched.problem.machine(&outcome.fit.active);
-    let preyield = physics.damper.as_ref().is_some_and(|damper| damper.preyield.is_finite());
-    let memory = physics.load.is_some() || physics.presliding.is_finite() || preyield;
+fn is_unknown(searched: &Searched, answer: &Answer, left: &Leftover, twins: &Twins) -> bool {
+    let (outcome, fit) = (&searched.outcome, &answer.fit);
+    let active = &outcome.fit.active;
+    let memory = searched.problem.machine(active).remembers();
     let over = if memory { OVER_FLOOR_WITH_MEMORY } else { OVER_FLOOR };
     // Standstill tells nothing in the weak form, and may tell all in the windows.
     let above_floor = twins.noise_floor_rms.is_some_and(|floor| fit.after_rms > over * floor);
     // A twin that scatters far more than the recording was given as noise what is none; of a machine with a memory it may
     // scatter because its windows start from a state that is known less well.
-    let swallowed = !memory && twins.noise_floor_rms.is_some_and(|floor| floor > OVER_FLOOR * fit.after_rms);
-    if outcome.fit.active.is_empty() {
+    let swallowed = !memory && twins.noise_floor_rms.is_some_and(|floor| floor > SWALLOWED * fit.after_rms);
+    if active.is_empty() {
         // Far above the noise is something, even where no channel of state predicts it.
         return above_floor || swallowed || left.excess > 2.5 || left.gain >= MIN_GAIN && left.excess > 1.5;
     }
     let explains = explained(outcome.nominal.sse, outcome.fit.sse, outcome.fit.residual_count());
-    explains < EXPLAINS || explains < WHOLE && left.excess > FAR || above_floor || swallowed
+    // A value that stands where the search ends belongs to something else that pushes it there.
+    let pushed = active.iter().any(Active::at_bound);
+    let poor = explains < EXPLAINS || explains < WHOLE && left.excess > FAR;
+    let substitute = left.gain > PREDICTABLE || left.excess < ROUGH && comparable(&answer.effects, fit, twins);
+    poor || pushed || substitute && !memory || above_floor || swallowed
+}
+
+/// Whether what the windows have above their floor is as much as the weakest effect explains in them.
+fn comparable(effects: &[EffectAnswer], fit: &FitAnswer, twins: &Twins) -> bool {
+    let Some(floor) = twins.noise_floor_rms.filter(|floor| fit.after_rms > LEFT * floor) else { return false };
+    let weakest = effects.iter().map(|effect| effect.evidence.heldout_gain).fold(1.0, f64::min);
+    // Without it the error would be larger by one over what is left of it.
+    let explained = fit.after_rms * ((1.0 - weakest.clamp(0.0, 0.999_999)).powi(-2) - 1.0).sqrt();
+    (fit.after_rms.powi(2) - floor * floor).sqrt() > COMPARABLE * explained
 }
 
 /// What the user should know before believing the answer.

@@ -9,13 +9,17 @@ use crate::decide::confirmed::missed;
 use crate::effects::Physics;
 use crate::read::{AxisKind, Recording};
 use crate::refit::TimeFit;
-use crate::screen::{Motion, Problem, Search};
+use crate::screen::{Motion, Problem, Search, Trial};
+
+/// So many of the best phantoms are asked for in the time domain, and those that the answer names.
+const CONFIRMED: usize = 2;
 
 /// Seed of the twins that are searched; none of the floor's.
 pub(super) const SEED: u64 = 1_000_000;
 
 /// Effects that the first step of the search accepts, and the time domain confirms, on twins of the recordings, with the
-/// twins' own machine as the nominal: none, if the tool is right. Best first.
+/// twins' own machine as the nominal: none, if the tool is right. Best first. Of those accepted, the best and those `answered`
+/// are confirmed; the others are not told of.
 ///
 /// # Errors
 /// A machine that the plant refuses.
@@ -25,6 +29,7 @@ pub fn falsely_found(
     recordings: &[Recording],
     motions: &[Motion],
     noises: &[Noise],
+    answered: &[&str],
 ) -> Result<Vec<&'static str>, Error> {
     let resolution = request.machine.axis.resolution;
     let each = (0..recordings.len()).into_par_iter().map(|index| {
@@ -42,7 +47,10 @@ pub fn falsely_found(
     }
     let linear = request.machine.axis.kind == AxisKind::Linear;
     let accepted = Search::new(&problem, request.vocabulary, linear).first_step();
-    let confirmed = accepted.into_iter().filter(|trial| {
+    let asked =
+        accepted.iter().enumerate().filter(|(rank, trial)| *rank < CONFIRMED || answered.contains(&trial.effect.id));
+    let asked: Vec<&Trial> = asked.map(|(_, trial)| trial).collect();
+    let confirmed = asked.into_par_iter().filter(|trial| {
         let with = TimeFit::new(&problem, &twins, &trial.fit.active, resolution);
         // What cannot be simulated cannot be taken back either.
         with.and_then(|with| Ok(missed(&with.without(&problem, &twins, 0)?, &with))).unwrap_or(true)

@@ -41,7 +41,8 @@ impl Twins {
         let problem = &searched.problem;
         let recordings = &searched.recordings[..problem.fitted];
         let floor = noise_floor(improved, recordings, &problem.motions, noises)?;
-        let falsely_found = falsely_found(request, improved, recordings, &problem.motions, noises)?;
+        let answered: Vec<&str> = searched.outcome.fit.active.iter().map(|entry| entry.effect.id).collect();
+        let falsely_found = falsely_found(request, improved, recordings, &problem.motions, noises, &answered)?;
         let mut warnings = floor.warnings;
         if !falsely_found.is_empty() {
             warnings.push(format!(

@@ -1,0 +1,88 @@
+//! A gap, settled by simulation.
+//!
+//! Impacts make the torque balance of a load in its gap a poor witness: the filter that keeps the load on track takes in
+//! part of what wrong values do. Simulated windows are short enough for the load to stay where it is, and no slope tells
+//! their optimum; so the values are felt out, and every place that leaves hardly more belongs to their intervals.
+
+use std::cell::RefCell;
+
+use nalgebra::DVector;
+
+use super::prepare::Searched;
+use super::{Refined, Request};
+use crate::refit::{HORIZON_S, Probe, Windows};
+use crate::screen::{Active, minimise};
+
+/// The effect.
+const GAP: &str = "backlash";
+/// Passes of the simplex, each from where the one before ended, and evaluations of each.
+const PASSES: usize = 3;
+/// As said.
+const EVALUATIONS: usize = 110;
+/// What leaves no more than this many times the least is as likely: 95 % of the F-distribution of four values over sixty
+/// windows.
+const AS_LIKELY: f64 = 1.18;
+
+/// Steps away from the best of each value, as a share of it.
+const STEPS: [f64; 9] = [0.001, 0.002, 0.004, 0.008, 0.016, 0.03, 0.06, 0.12, 0.25];
+
+/// Places that were tried: what they leave of the windows, and the values.
+type Trail = Vec<(f64, Vec<f64>)>;
+
+/// The same with the values of a gap settled by simulation, where that is better; anything else is left as it is.
+pub(super) fn settled(request: &Request<'_>, searched: &Searched, refined: Refined) -> Refined {
+    let Some(index) = refined.active.iter().position(|entry| entry.effect.id == GAP) else { return refined };
+    let (problem, resolution) = (&searched.problem, request.machine.axis.resolution);
+    let recordings = &searched.recordings[..problem.fitted];
+    let trail = felt_out(&Probe::spread(problem, recordings), &refined.active, index);
+    let Some((least, best)) = lowest(&trail) else { return refined };
+    let mut active = refined.active.clone();
+    active[index].values.clone_from(&best);
+    let rms = |active: &[Active]| {
+        Windows::new(&problem.machine(active), recordings, 0, resolution, HORIZON_S).map(|windows| windows.rms())
+    };
+    let better = rms(&active).and_then(|after| Ok(after <= rms(&refined.active)?)).unwrap_or(false);
+    if !better {
+        return refined;
+    }
+    let likely = trail.iter().filter(|(loss, _)| *loss <= AS_LIKELY * least);
+    let spans = likely.fold(best.iter().map(|&value| (value, value)).collect::<Vec<_>>(), |spans, (_, values)| {
+        spans.iter().zip(values).map(|(&(low, high), &value)| (low.min(value), high.max(value))).collect()
+    });
+    Refined { active, spans: Some((index, spans)), ..refined }
+}
+
+/// Everything that was tried: passes of the simplex, and from the best place each value alone outwards until the windows
+/// miss it.
+fn felt_out(probe: &Probe<'_>, from: &[Active], index: usize) -> Trail {
+    let start = &from[index];
+    let trail = RefCell::new(Trail::new());
+    let cost = |logs: &DVector<f64>| {
+        let mut active = from.to_vec();
+        let values = &mut active[index].values;
+        for ((value, range), log) in values.iter_mut().zip(&start.ranges).zip(logs.iter()) {
+            *value = (*value * log.exp()).clamp(range.low, range.high);
+        }
+        let loss = probe.loss(&active).unwrap_or(f64::INFINITY);
+        trail.borrow_mut().push((loss, active[index].values.clone()));
+        loss
+    };
+    let (mut least, mut at) = (f64::INFINITY, DVector::zeros(start.values.len()));
+    for _ in 0..PASSES {
+        (least, at) = minimise(&at, EVALUATIONS, cost);
+    }
+    for (value, sign) in (0..at.len()).flat_map(|value| [(value, 1.0), (value, -1.0)]) {
+        for step in STEPS {
+            let mut logs = at.clone();
+            logs[value] += sign * step;
+            if cost(&logs) > AS_LIKELY * least {
+                break;
+            }
+        }
+    }
+    trail.into_inner()
+}
+
+fn lowest(trail: &Trail) -> Option<(f64, Vec<f64>)> {
+    trail.iter().min_by(|a, b| a.0.total_cmp(&b.0)).cloned()
+}
