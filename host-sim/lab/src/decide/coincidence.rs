@@ -7,7 +7,7 @@
 
 use crate::effects::{Effect, Harmonic, Physics};
 use crate::report::{EffectAnswer, Interval};
-use crate::screen::Problem;
+use crate::screen::{Motion, Problem};
 
 /// Two values agree where they are no further apart than this many times their common interval.
 const AGREES: f64 = 2.0;
@@ -64,6 +64,7 @@ pub(super) fn coincidences(
         delays.into_iter().filter(|(one, _)| barred(one)).filter_map(|(_, words)| words).collect();
     found.extend(one_scale(nominal, effects, &barred));
     found.extend(cancelling(problem, nominal, improved));
+    found.extend(longer_than_the_travel(problem, nominal, improved));
     found
 }
 
@@ -167,6 +168,21 @@ fn cancelling(problem: &Problem, nominal: &Physics, improved: &Physics) -> Optio
     })
 }
 
+/// Two waves over position of which none is passed once are a series for whatever shape the travel shows.
+fn longer_than_the_travel(problem: &Problem, nominal: &Physics, improved: &Physics) -> Option<String> {
+    let travel = |motion: &Motion| {
+        let ends = motion.smooth.iter().fold((f64::MAX, f64::MIN), |(low, high), &q| (low.min(q), high.max(q)));
+        ends.1 - ends.0
+    };
+    let travel = problem.motions[..problem.fitted].iter().map(travel).fold(0.0, f64::max);
+    let gravity = improved.gravity.filter(|_| improved.gravity != nominal.gravity);
+    let added = improved.cogging.iter().filter(|wave| !nominal.cogging.contains(wave)).copied().chain(gravity);
+    let long = added.filter(|wave| wave.order * travel < std::f64::consts::TAU).count();
+    (long > 1).then(|| {
+        format!("{long} torques over position of which none is passed once in a travel of {travel:.3}: a shape, not its cause")
+    })
+}
+
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
@@ -174,7 +190,6 @@ mod tests {
     use crate::decide::testing::machine;
     use crate::effects::VOCABULARY;
     use crate::report::Evidence;
-    use crate::screen::Motion;
 
     fn nominal() -> Physics {
         Physics::nominal(&machine())
@@ -247,5 +262,15 @@ mod tests {
         };
         assert_eq!(coincidences(&problem(), &[], &with(12.9), &VOCABULARY).len(), 1);
         assert_eq!(coincidences(&problem(), &[], &with(2.0), &VOCABULARY), Vec::<String>::new());
+    }
+
+    #[test]
+    fn two_waves_longer_than_the_travel_are_a_series() {
+        let with = |order: f64| {
+            let wave = |order: f64| Harmonic { order, sine: 0.3, cosine: 0.0 };
+            Physics { gravity: Some(wave(1.0)), cogging: vec![wave(order)], ..nominal() }
+        };
+        assert_eq!(coincidences(&problem(), &[], &with(2.0), &VOCABULARY).len(), 1);
+        assert_eq!(coincidences(&problem(), &[], &with(14.0), &VOCABULARY), Vec::<String>::new());
     }
 }

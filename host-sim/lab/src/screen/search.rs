@@ -56,6 +56,7 @@ pub(super) fn conflicts(a: &Effect, b: &Effect) -> bool {
             "field_lag",
             "field_lag_asymmetry",
             "field_slew_limit",
+            "er_preyield",
         ],
         &["compliance", "backlash"],
     ];
