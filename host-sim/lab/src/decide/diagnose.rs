@@ -20,8 +20,11 @@ use crate::formula::formula;
 use crate::locate::{first_unexplained, leftover, locations, regions, residual_map};
 use crate::progress::Stages;
 use crate::propose::{Proposal, for_ambiguous};
-use crate::read::{AxisKind, Machine, Recording};
+use crate::read::{Axis, AxisKind, Machine, Recording, position_step};
 use crate::report::{Answer, Verdict};
+
+/// Steps this many times those of the machine file are not its steps.
+const COARSER: f64 = 1.5;
 
 /// What is to be diagnosed.
 #[derive(Debug)]
@@ -60,6 +63,8 @@ pub fn diagnose(request: &Request<'_>) -> Result<Diagnosis, Error> {
     let names: Vec<&str> = files.iter().map(|recording| recording.name.as_str()).collect();
     let nominal = Physics::of(request.machine, &names)?;
     let mut notes: Vec<String> = files.iter().flat_map(|recording| recording.notes()).collect();
+    let coarser = coarser(request.machine, &files, &mut notes);
+    let request = &Request { machine: coarser.as_ref().unwrap_or(request.machine), ..*request };
     let mut stages = Stages::begin();
     let mut searched = search(request, &nominal, &mut stages);
     if searched.problem.fitted_equations() == 0 {
@@ -84,6 +89,20 @@ pub fn diagnose(request: &Request<'_>) -> Result<Diagnosis, Error> {
     judge(request, &searched, &mut diagnosis, notes)?;
     diagnosis.answer.rejected = rejected(request, &searched.outcome, &diagnosis.answer.effects, &taken_back);
     Ok(diagnosis)
+}
+
+/// The machine with the step that its recordings show, where that is clearly coarser than the file says.
+fn coarser(machine: &Machine, files: &[&Recording], notes: &mut Vec<String>) -> Option<Machine> {
+    let steps = files.iter().filter_map(|file| Some((position_step(&file.position)?, file.name.as_str())));
+    let (step, name) = steps.max_by(|a, b| a.0.total_cmp(&b.0))?;
+    let resolution = machine.axis.resolution;
+    (step > COARSER * resolution).then(|| {
+        notes.push(format!(
+            "{name}: the position moves in steps of {step:.3e}, not of {resolution:.3e} as the machine file has it; the former \
+             is used"
+        ));
+        Machine { axis: Axis { resolution: step, ..machine.axis }, ..machine.clone() }
+    })
 }
 
 /// The best model as simulation leaves it.

@@ -9,6 +9,7 @@ mod machine_file;
 mod machine_toml;
 mod nearest;
 mod parquet_file;
+mod position_step;
 mod recording;
 mod toml_section;
 mod values;
@@ -16,4 +17,5 @@ pub mod vocabulary;
 
 pub use columns::Column;
 pub use machine::{Axis, AxisKind, EffectEntry, ErNominal, Machine, PlantNominal};
+pub use position_step::position_step;
 pub use recording::{Cells, Mode, Recording};
