@@ -52,6 +52,17 @@ pub fn recorded(physics: &Physics, seed: u64, torque_noise_nm: f64, duration_s: 
         Shape::Multisine { amplitude_rad: 0.5, low_hz: 0.2, high_hz: 3.0, tones: 8 },
         Shape::Steps { amplitude_rad: 0.6, dwell_s: 0.4, seed: seed as u32 + 77 },
     ];
+    recorded_as(physics, shapes, seed, torque_noise_nm, duration_s)
+}
+
+/// The same over other references.
+pub fn recorded_as(
+    physics: &Physics,
+    shapes: [Shape; 3],
+    seed: u64,
+    torque_noise_nm: f64,
+    duration_s: f32,
+) -> Vec<Recording> {
     let named = shapes.into_iter().zip(["a.csv", "b.csv", "c.csv"]).enumerate();
     let record_one = |(index, (shape, name)): (usize, (Shape, &str))| {
         let setup = Setup {

@@ -4,6 +4,7 @@
 mod answers;
 mod cases;
 mod coverage;
+mod many;
 mod real;
 mod singles;
 mod size;
