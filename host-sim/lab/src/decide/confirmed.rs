@@ -5,6 +5,7 @@
 
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
+use super::gap;
 use super::prepare::Searched;
 use super::{Refined, Request};
 use crate::effects::Effect;
@@ -69,7 +70,8 @@ fn refine(request: &Request<'_>, searched: &Searched, notes: &mut Vec<String>) -
     for entry in fit.active.iter_mut().filter(|entry| entry.is_held()) {
         *entry = refitter.entry(entry.effect, entry.values.clone());
     }
-    Refined::new(problem, &searched.recordings[..problem.fitted], &fit, inflation, resolution, notes)
+    let refined = Refined::new(problem, &searched.recordings[..problem.fitted], &fit, inflation, resolution, notes);
+    gap::settled(request, searched, refined)
 }
 
 /// The weakest of the effects that simulation does as well without.

@@ -7,7 +7,6 @@ use super::confirmed::confirm;
 use super::controller::mismatch;
 use super::equivalents::contested;
 use super::fitted::fit_answer;
-use super::gap;
 use super::named::{effects, rejected};
 use super::prepare::{Searched, search};
 use super::refined::Refined;
@@ -132,8 +131,6 @@ fn decide(request: &Request<'_>, searched: &mut Searched, notes: &mut Vec<String
     let (refined, alike) = contested(request, searched, refined, notes);
     searched.follow(&refined);
     stages.done("equivalents");
-    let refined = gap::settled(request, searched, refined);
-    stages.done("gap");
     Decided { refined, taken_back, alike }
 }
 
