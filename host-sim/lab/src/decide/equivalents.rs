@@ -18,6 +18,10 @@ const SIMULATED: usize = 2;
 const NOISE: f64 = 2.0;
 /// t from which one simulation is worse than another, as in the weak form.
 const WORSE_T: f64 = 2.5;
+/// The one effect that is an event.
+const PULSE: &str = "disturbance_pulse";
+/// A rival of an event may leave this share of what the event explains.
+const SHORT: f64 = 0.1;
 /// Exchanges at most.
 const EXCHANGES: usize = 2;
 
@@ -49,15 +53,30 @@ pub(super) fn contested(
             let mut rivals = rivals(&refitter, &searched.outcome.fit, index, request.vocabulary);
             let found = simulated(searched, &refined, index, &mut rivals);
             better = better.or_else(|| found.filter(|_| turn < EXCHANGES));
-            rivals.retain(|rival| !worse(&rival.fit, &searched.outcome.fit));
+            let event = searched.outcome.fit.active[index].effect.id == PULSE;
+            let most = if event { explains_as_much(&refitter, &searched.outcome.fit, index) } else { f64::INFINITY };
+            rivals.retain(|rival| !worse(&rival.fit, &searched.outcome.fit) && rival.fit.sse <= most);
             alike.push(rivals.into_iter().take(LISTED).map(|rival| rival.effect).collect());
         }
         let Some(active) = better else { return (refined, alike) };
+        // What simulation found stays where it put it.
+        let by_simulation =
+            |entry: &Active| searched.simulated.iter().any(|shown| shown.effect() == Some(entry.effect));
+        let active: Vec<Active> =
+            active.iter().map(|entry| if by_simulation(entry) { entry.held() } else { entry.clone() }).collect();
         let fit = refitter.fit(&active);
         searched.outcome.fit = fit;
         (refined, _) = confirm(request, searched, notes);
     }
     (refined, Vec::new())
+}
+
+/// The squares up to which a rival explains about as much as one effect does: an event is in one block, and no scatter over
+/// blocks tells who is worse.
+fn explains_as_much(refitter: &Refitter<'_>, best: &Fit, index: usize) -> f64 {
+    let mut rest = best.active.clone();
+    rest.remove(index);
+    best.sse + SHORT * (refitter.fit(&rest).sse - best.sse)
 }
 
 /// Every effect that may stand in the place of one of the best model and has no more parameters, best first.

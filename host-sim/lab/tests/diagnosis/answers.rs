@@ -1,5 +1,6 @@
 //! What the tool must say of recordings whose truth is known.
 
+use lab::effects::Pulse;
 use lab::report::Verdict;
 
 use crate::cases::{answer, recordings};
@@ -22,4 +23,19 @@ fn dry_friction_is_named_alone_and_its_interval_holds_the_truth() {
     let level = &effect.parameters[0];
     assert!(level.low < 0.95 && 0.95 < level.high && level.high - level.low < 0.01, "{level:?}");
     assert!(answer.fit.heldout_after_rms < answer.fit.heldout_before_rms);
+}
+
+/// The torque balance of what moves does not show it; simulation does.
+#[test]
+#[cfg_attr(debug_assertions, ignore = "a minute without optimisation; the tests in release run it")]
+fn a_push_against_a_rotor_at_rest_is_named_with_its_time_and_size() {
+    let truth = [3.1, 0.12, 2.0];
+    let push = Pulse { recording: 0, start_s: truth[0], duration_s: truth[1], amplitude: truth[2] };
+    let answer = answer(&recordings(&|physics| physics.pulses.push(push), 13, 0.05), "");
+    assert_eq!(answer.verdict, Verdict::Named, "{answer:?}");
+    let [effect] = answer.effects.as_slice() else { panic!("{:?}", answer.effects) };
+    assert_eq!((effect.id.as_str(), effect.recording.as_deref()), ("disturbance_pulse", Some("a.csv")));
+    for (parameter, truth) in effect.parameters.iter().zip(truth) {
+        assert!(parameter.low <= truth && truth <= parameter.high, "{parameter:?}, is {truth}");
+    }
 }
