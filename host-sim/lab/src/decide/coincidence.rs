@@ -7,7 +7,7 @@
 
 use crate::effects::{Effect, Harmonic, Physics};
 use crate::report::{EffectAnswer, Interval};
-use crate::screen::{Motion, Problem};
+use crate::screen::Problem;
 
 /// Two values agree where they are no further apart than this many times their common interval.
 const AGREES: f64 = 2.0;
@@ -170,11 +170,7 @@ fn cancelling(problem: &Problem, nominal: &Physics, improved: &Physics) -> Optio
 
 /// Two waves over position of which none is passed once are a series for whatever shape the travel shows.
 fn longer_than_the_travel(problem: &Problem, nominal: &Physics, improved: &Physics) -> Option<String> {
-    let travel = |motion: &Motion| {
-        let ends = motion.smooth.iter().fold((f64::MAX, f64::MIN), |(low, high), &q| (low.min(q), high.max(q)));
-        ends.1 - ends.0
-    };
-    let travel = problem.motions[..problem.fitted].iter().map(travel).fold(0.0, f64::max);
+    let travel = problem.travel();
     let gravity = improved.gravity.filter(|_| improved.gravity != nominal.gravity);
     let added = improved.cogging.iter().filter(|wave| !nominal.cogging.contains(wave)).copied().chain(gravity);
     let long = added.filter(|wave| wave.order * travel < std::f64::consts::TAU).count();
@@ -190,6 +186,7 @@ mod tests {
     use crate::decide::testing::machine;
     use crate::effects::VOCABULARY;
     use crate::report::Evidence;
+    use crate::screen::Motion;
 
     fn nominal() -> Physics {
         Physics::nominal(&machine())

@@ -9,7 +9,7 @@ use super::gap;
 use super::prepare::Searched;
 use super::{Refined, Request};
 use crate::effects::Effect;
-use crate::refit::{HORIZON_S, TimeFit, Windows};
+use crate::refit::TimeFit;
 use crate::screen::{Active, MAX_P, MIN_T, Refitter, t_of_mean};
 
 /// An effect whose part in the prediction is larger is no error of the weak form.
@@ -18,8 +18,6 @@ const PLAIN: f64 = 0.3;
 const FALLS_TO: f64 = 0.995;
 /// A gap is four values that bend to any roughness; it must be worth them.
 const GAP_FALLS_TO: f64 = 0.9;
-/// The one effect that is an event; its evidence is one place.
-const PULSE: &str = "disturbance_pulse";
 
 /// Refits what the search found, takes back what the windows do not miss, and gives what is left with what was taken back.
 pub(super) fn confirm(
@@ -52,8 +50,8 @@ fn take_back(searched: &mut Searched, index: usize) -> &'static Effect {
 fn insignificant(searched: &Searched) -> Option<usize> {
     let outcome = &searched.outcome;
     let refitter = Refitter::new(&searched.problem, outcome);
-    let shown = (0..outcome.fit.active.len()).filter(|&index| !outcome.fit.active[index].is_held());
-    shown.into_iter().find(|&index| {
+    let mut free = (0..outcome.fit.active.len()).filter(|&index| !outcome.fit.active[index].is_held());
+    free.find(|&index| {
         let mut rest = outcome.fit.active.clone();
         rest.remove(index);
         refitter.p_value(&refitter.fit(&rest), &outcome.fit) * outcome.variants as f64 >= MAX_P
@@ -70,7 +68,7 @@ fn refine(request: &Request<'_>, searched: &Searched, notes: &mut Vec<String>) -
     for entry in fit.active.iter_mut().filter(|entry| entry.is_held()) {
         *entry = refitter.entry(entry.effect, entry.values.clone());
     }
-    let refined = Refined::new(problem, &searched.recordings[..problem.fitted], &fit, inflation, resolution, notes);
+    let refined = Refined::new(problem, searched.fitted(), &fit, inflation, resolution, notes);
     gap::settled(request, searched, refined)
 }
 
@@ -78,11 +76,7 @@ fn refine(request: &Request<'_>, searched: &Searched, notes: &mut Vec<String>) -
 fn unconfirmed(request: &Request<'_>, searched: &Searched, refined: &Refined) -> Option<usize> {
     let (problem, fit) = (&searched.problem, &searched.outcome.fit);
     let refitter = Refitter::new(problem, &searched.outcome);
-    let recordings = &searched.recordings[..problem.fitted];
-    let resolution = request.machine.axis.resolution;
-    let rms = |active: &[Active]| {
-        Windows::new(&problem.machine(active), recordings, 0, resolution, HORIZON_S).map(|windows| windows.rms())
-    };
+    let rms = |active: &[Active]| searched.windows_rms(request, active);
     let falls = |without: &[Active], to: f64| -> bool {
         rms(without).and_then(|before| Ok(rms(&refined.active)? < to * before)).unwrap_or(true)
     };
@@ -93,7 +87,7 @@ fn unconfirmed(request: &Request<'_>, searched: &Searched, refined: &Refined) ->
     };
     // A load that bounces in its gap is where no window can know: neither its slopes nor its squares are to be believed,
     // but the whole must come nearer.
-    if let Some(gap) = fit.active.iter().position(|entry| entry.effect.id == "backlash") {
+    if let Some(gap) = gap::gap(&fit.active) {
         return (!falls(&rest(gap).active, GAP_FALLS_TO)).then_some(gap);
     }
     let gain = |index: usize| 1.0 - (fit.heldout_sse() / rest(index).heldout_sse().max(1e-300)).sqrt();
@@ -102,11 +96,8 @@ fn unconfirmed(request: &Request<'_>, searched: &Searched, refined: &Refined) ->
     weak.sort_by(|a, b| a.1.total_cmp(&b.1));
     weak.into_iter().map(|(index, _)| index).find(|&index| {
         let Some(time) = &refined.time else { return !falls(&rest(index).active, FALLS_TO) };
-        let Ok(without) = time.without(problem, recordings, index) else { return false };
-        // No block but its own misses an event.
-        let event = fit.active[index].effect.id == PULSE;
-        let missed = if event { improvement(&without, time) < MAX_P } else { missed(&without, time) };
-        !missed || !falls(&without.active, FALLS_TO)
+        let Ok(without) = time.without(problem, searched.fitted(), index) else { return false };
+        !needs(&without, time, fit.active[index].effect) || !falls(&without.active, FALLS_TO)
     })
 }
 
@@ -117,6 +108,11 @@ pub(super) fn improvement(without: &TimeFit, with: &TimeFit) -> f64 {
     let left = (with.freedom - values(with) as f64).max(1.0);
     let statistic = (without.sse - with.sse).max(0.0) / added / (with.sse / left).max(1e-300);
     FisherSnedecor::new(added, left).map_or(1.0, |f| f.sf(statistic))
+}
+
+/// Whether a fit in the time domain needs an effect that another has not. No block but its own misses an event.
+pub(super) fn needs(without: &TimeFit, with: &TimeFit, effect: &Effect) -> bool {
+    if effect.is_event() { improvement(without, with) < MAX_P } else { missed(without, with) }
 }
 
 /// Whether a fit in the time domain is missed in a smaller one: over all, and over blocks that were left out.

@@ -156,7 +156,7 @@ fn judge(
     answer.warnings = notes;
     answer.warnings.extend(coincidences);
     answer.warnings.extend(warnings(searched, &left, answer.verdict));
-    answer.warnings.extend(self_checks(problem, &searched.recordings[..problem.fitted], request.vocabulary));
+    answer.warnings.extend(self_checks(problem, searched.fitted(), request.vocabulary));
     answer.warnings.extend(twins.warnings);
     stages.done("self-checks");
     locate(searched, axis, answer);

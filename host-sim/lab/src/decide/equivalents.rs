@@ -5,7 +5,7 @@ use super::prepare::Searched;
 use super::{Refined, Request};
 use crate::effects::Effect;
 use crate::refit::TimeFit;
-use crate::screen::{Active, Fit, Refitter, relative_t, t_of_mean, worse};
+use crate::screen::{Active, Fit, Refitter, WORSE_T, fall_t, worse};
 
 /// How many are listed at most.
 const LISTED: usize = 3;
@@ -16,10 +16,6 @@ const NEAR: f64 = 1.5;
 const SIMULATED: usize = 2;
 /// Mean square of the residual in units of its noise above which it is not noise alone.
 const NOISE: f64 = 2.0;
-/// t from which one simulation is worse than another, as in the weak form.
-const WORSE_T: f64 = 2.5;
-/// The one effect that is an event.
-const PULSE: &str = "disturbance_pulse";
 /// A rival of an event may leave this share of what the event explains.
 const SHORT: f64 = 0.1;
 /// Exchanges at most.
@@ -53,7 +49,7 @@ pub(super) fn contested(
             let mut rivals = rivals(&refitter, &searched.outcome.fit, index, request.vocabulary);
             let found = simulated(searched, &refined, index, &mut rivals);
             better = better.or_else(|| found.filter(|_| turn < EXCHANGES));
-            let event = searched.outcome.fit.active[index].effect.id == PULSE;
+            let event = searched.outcome.fit.active[index].effect.is_event();
             let most = if event { explains_as_much(&refitter, &searched.outcome.fit, index) } else { f64::INFINITY };
             rivals.retain(|rival| !worse(&rival.fit, &searched.outcome.fit) && rival.fit.sse <= most);
             alike.push(rivals.into_iter().take(LISTED).map(|rival| rival.effect).collect());
@@ -107,7 +103,7 @@ fn simulated(searched: &Searched, refined: &Refined, index: usize, rivals: &mut 
         return None;
     }
     let time = refined.time.as_ref().filter(|_| !problem.machine(&best.active).remembers())?;
-    let recordings = &searched.recordings[..problem.fitted];
+    let recordings = searched.fitted();
     let limit = NEAR * best.heldout_sse();
     let mut near: Vec<usize> = (0..rivals.len()).filter(|&rank| rivals[rank].fit.heldout_sse() < limit).collect();
     near.sort_by(|&a, &b| rivals[a].fit.heldout_sse().total_cmp(&rivals[b].fit.heldout_sse()));
@@ -122,19 +118,14 @@ fn simulated(searched: &Searched, refined: &Refined, index: usize, rivals: &mut 
             continue;
         }
         let Ok(fit) = time.rival(problem, recordings, &active) else { continue };
-        if t(&fit, time) > WORSE_T {
+        if fall_t(&fit.heldout, &time.heldout) > WORSE_T {
             dropped.push(rivals[rank].effect);
-        } else if t(time, &fit) > WORSE_T && fit.sse < better.as_ref().map_or(time.sse, |other| other.sse) {
+        } else if fall_t(&time.heldout, &fit.heldout) > WORSE_T
+            && fit.sse < better.as_ref().map_or(time.sse, |other| other.sse)
+        {
             better = Some(fit);
         }
     }
     rivals.retain(|rival| !dropped.contains(&rival.effect));
     better.map(|fit| fit.active)
-}
-
-/// How much worse the first predicts the blocks than the second.
-fn t(fit: &TimeFit, than: &TimeFit) -> f64 {
-    let pairs = fit.heldout.iter().zip(&than.heldout).filter(|(a, b)| **a > 0.0 || **b > 0.0);
-    let changes: Vec<f64> = pairs.map(|(a, b)| a - b).collect();
-    t_of_mean(&changes).max(relative_t(&fit.heldout, &than.heldout))
 }

@@ -10,14 +10,12 @@ use nalgebra::DVector;
 
 use super::prepare::Searched;
 use super::{Refined, Request};
-use crate::refit::{HORIZON_S, Probe, Windows};
+use crate::refit::Probe;
 use crate::screen::{Active, minimise};
 
-/// The effect.
-const GAP: &str = "backlash";
-/// Passes of the simplex, each from where the one before ended, and evaluations of each.
+/// Passes of the simplex, each from where the one before ended,
 const PASSES: usize = 3;
-/// As said.
+/// with so many evaluations each.
 const EVALUATIONS: usize = 110;
 /// What leaves no more than this many times the least is as likely: 95 % of the F-distribution of four values over sixty
 /// windows.
@@ -29,18 +27,19 @@ const STEPS: [f64; 9] = [0.001, 0.002, 0.004, 0.008, 0.016, 0.03, 0.06, 0.12, 0.
 /// Places that were tried: what they leave of the windows, and the values.
 type Trail = Vec<(f64, Vec<f64>)>;
 
+/// Which of the effects is a gap.
+pub(super) fn gap(active: &[Active]) -> Option<usize> {
+    active.iter().position(|entry| entry.effect.id == "backlash")
+}
+
 /// The same with the values of a gap settled by simulation, where that is better; anything else is left as it is.
 pub(super) fn settled(request: &Request<'_>, searched: &Searched, refined: Refined) -> Refined {
-    let Some(index) = refined.active.iter().position(|entry| entry.effect.id == GAP) else { return refined };
-    let (problem, resolution) = (&searched.problem, request.machine.axis.resolution);
-    let recordings = &searched.recordings[..problem.fitted];
-    let trail = felt_out(&Probe::spread(problem, recordings), &refined.active, index);
+    let Some(index) = gap(&refined.active) else { return refined };
+    let trail = felt_out(&Probe::spread(&searched.problem, searched.fitted()), &refined.active, index);
     let Some((least, best)) = lowest(&trail) else { return refined };
     let mut active = refined.active.clone();
     active[index].values.clone_from(&best);
-    let rms = |active: &[Active]| {
-        Windows::new(&problem.machine(active), recordings, 0, resolution, HORIZON_S).map(|windows| windows.rms())
-    };
+    let rms = |active: &[Active]| searched.windows_rms(request, active);
     let better = rms(&active).and_then(|after| Ok(after <= rms(&refined.active)?)).unwrap_or(false);
     if !better {
         return refined;

@@ -6,7 +6,7 @@ use super::{Refined, Request, intervals, simulated};
 use crate::effects::Effect;
 use crate::read::{AxisKind, vocabulary};
 use crate::report::{EffectAnswer, Evidence, Interval, Rejected};
-use crate::screen::{Active, Fit, MAX_P, MIN_GAIN, Outcome, Problem, Refitter, Trial};
+use crate::screen::{Active, MAX_P, MIN_GAIN, Outcome, Problem, Refitter, Trial};
 
 /// Every effect of the best model with its evidence.
 pub(super) fn effects(
@@ -31,19 +31,12 @@ fn effect_answer(
     index: usize,
 ) -> EffectAnswer {
     let (problem, outcome) = (&searched.problem, &searched.outcome);
-    let fit = &outcome.fit;
-    let entry = &fit.active[index];
-    let mut rest = fit.active.clone();
-    rest.remove(index);
-    let without: Fit = refitter.fit(&rest);
-    let floor = fit.residual_count();
+    let entry = &outcome.fit.active[index];
     let simulated = if entry.is_held() { simulated::evidence(searched, refined, index) } else { None };
-    let evidence = simulated.unwrap_or_else(|| Evidence {
-        heldout_gain: 1.0 - (fit.heldout_sse() / without.heldout_sse().max(1e-300)).sqrt(),
-        p_value: (refitter.p_value(&without, fit) * outcome.variants as f64).min(1.0),
-        excess_explained: explained(without.sse, fit.sse, floor),
-    });
-    let recording = (entry.effect.id == "disturbance_pulse")
+    let evidence = simulated.unwrap_or_else(|| evidence(outcome, refitter, index));
+    let recording = entry
+        .effect
+        .is_event()
         .then(|| problem.motions.get(entry.values[0] as usize).map(|motion| motion.name.clone()))
         .flatten();
     let others = alike.get(index).map_or(&[] as &[&Effect], Vec::as_slice);
@@ -54,6 +47,19 @@ fn effect_answer(
         parameters: values(searched, refined, index, request.machine.axis.kind),
         evidence,
         recording,
+    }
+}
+
+/// Evidence of one effect in the torque balance.
+fn evidence(outcome: &Outcome, refitter: &Refitter<'_>, index: usize) -> Evidence {
+    let fit = &outcome.fit;
+    let mut rest = fit.active.clone();
+    rest.remove(index);
+    let without = refitter.fit(&rest);
+    Evidence {
+        heldout_gain: 1.0 - (fit.heldout_sse() / without.heldout_sse().max(1e-300)).sqrt(),
+        p_value: (refitter.p_value(&without, fit) * outcome.variants as f64).min(1.0),
+        excess_explained: explained(without.sse, fit.sse, fit.residual_count()),
     }
 }
 

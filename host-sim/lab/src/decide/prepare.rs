@@ -4,9 +4,11 @@ use rayon::prelude::*;
 
 use super::simulated::Shown;
 use super::{Refined, Request};
+use crate::Error;
 use crate::effects::Physics;
 use crate::progress::{Progress, Stages};
 use crate::read::{AxisKind, Recording};
+use crate::refit::{HORIZON_S, Windows};
 use crate::screen::{Active, Motion, Outcome, Problem, Refitter, Search, effort_filter_s};
 
 /// What was searched, and how it ended.
@@ -25,17 +27,27 @@ pub(super) struct Searched {
 }
 
 impl Searched {
+    /// The recordings to fit.
+    pub(super) fn fitted(&self) -> &[Recording] {
+        &self.recordings[..self.problem.fitted]
+    }
+
+    /// Root mean square of the windows that effects leave of the recordings to fit, as an answer reports it, rad (m).
+    pub(super) fn windows_rms(&self, request: &Request<'_>, active: &[Active]) -> Result<f64, Error> {
+        let (machine, resolution) = (self.problem.machine(active), request.machine.axis.resolution);
+        Windows::new(&machine, self.fitted(), 0, resolution, HORIZON_S).map(|windows| windows.rms())
+    }
+
+    /// The model with its held values where they are now.
+    fn moved(&self, now: &[Active]) -> Vec<Active> {
+        let pairs = self.outcome.fit.active.iter().zip(now);
+        pairs.map(|(entry, now)| if entry.is_held() { now.held() } else { entry.clone() }).collect()
+    }
+
     /// Takes an effect in that simulation found: it is held in the torque balance, which does not show it.
     pub(super) fn hold(&mut self, shown: Shown) {
         let Some((last, others)) = shown.active.split_last() else { return };
-        let held = self
-            .outcome
-            .fit
-            .active
-            .iter()
-            .zip(others)
-            .map(|(entry, now)| if entry.is_held() { now.held() } else { entry.clone() });
-        let active: Vec<Active> = held.chain([last.held()]).collect();
+        let active: Vec<Active> = self.moved(others).into_iter().chain([last.held()]).collect();
         self.outcome.fit = Refitter::new(&self.problem, &self.outcome).at(&active);
         self.simulated.push(shown);
     }
@@ -50,10 +62,7 @@ impl Searched {
         if !self.outcome.fit.active.iter().any(Active::is_held) {
             return;
         }
-        let pairs = self.outcome.fit.active.iter().zip(&refined.active);
-        let active: Vec<Active> =
-            pairs.map(|(entry, now)| if entry.is_held() { now.held() } else { entry.clone() }).collect();
-        self.outcome.fit = Refitter::new(&self.problem, &self.outcome).at(&active);
+        self.outcome.fit = Refitter::new(&self.problem, &self.outcome).at(&self.moved(&refined.active));
     }
 }
 

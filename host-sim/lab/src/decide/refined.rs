@@ -68,7 +68,7 @@ fn informed(time: &TimeFit, fit: &Fit, problem: &Problem) -> bool {
     let mut column = 0;
     fit.active.iter().all(|entry| {
         // A push may begin or end while the rotor holds; its interval says so.
-        let event = entry.effect.id == "disturbance_pulse";
+        let event = entry.effect.is_event();
         (0..entry.values.len()).filter(|&value| entry.effect.parameter(value).free).all(|value| {
             let known = time.normals.iter().any(|normal| normal[(column, column)] > 0.0);
             column += 1;

@@ -3,28 +3,24 @@
 
 use rayon::prelude::*;
 
-use super::confirmed::{improvement, missed};
+use super::confirmed::{improvement, needs};
 use super::fitted::explained;
 use super::prepare::Searched;
 use super::{Refined, Request};
 use crate::effects::{Effect, Physics, Pulse};
-use crate::refit::{Event, HORIZON_S, Probe, TimeFit, Windows};
+use crate::refit::{Event, Probe, TimeFit};
 use crate::report::Evidence;
-use crate::screen::{Active, MAX_P, Refitter, t_of_mean};
+use crate::screen::{Active, Refitter, WORSE_T, t_of_mean};
 
 /// Effects whose signature is at standstill.
 const AT_REST: [&str; 3] = ["stribeck_friction", "presliding", "er_preyield"];
-/// The one effect that is an event.
-const PULSE: &str = "disturbance_pulse";
 /// Start values that leave more than this share of the far windows are not worth a fit to everything.
 const PROMISES: f64 = 0.93;
 /// So many effects are fitted to everything.
 const FINALISTS: usize = 2;
 /// What is found so must lower the reported windows to this share: by less, stick and slip differ by accident.
 const FALLS_TO: f64 = 0.9;
-/// t from which an effect is worse than another, as in the weak form;
-const WORSE_T: f64 = 2.5;
-/// or twice the logarithm of how much less likely it is, where one event decides.
+/// Twice the logarithm of how much less likely an effect is that is worse than another, where one event decides.
 const WORSE_SSE: f64 = 20.0;
 
 /// An effect that simulation shows, and those that it cannot be told from.
@@ -53,7 +49,7 @@ pub(super) fn shown(request: &Request<'_>, searched: &Searched, refined: &Refine
     if problem.machine(&refined.active).remembers() {
         return None;
     }
-    let recordings = &searched.recordings[..problem.fitted];
+    let recordings = searched.fitted();
     let own;
     let base = match &refined.time {
         Some(time) => time,
@@ -73,9 +69,7 @@ pub(super) fn shown(request: &Request<'_>, searched: &Searched, refined: &Refine
         fits.filter(|fit| gains(base, fit) && !fit.active.iter().any(Active::at_bound)).collect();
     fits.sort_by(|a, b| a.sse.total_cmp(&b.sse));
     let best = fits.first()?;
-    let rms = |active: &[Active]| {
-        Windows::new(&problem.machine(active), recordings, 0, resolution, HORIZON_S).map(|windows| windows.rms())
-    };
+    let rms = |active: &[Active]| searched.windows_rms(request, active);
     if rms(&best.active).ok()? > FALLS_TO * rms(&base.active).ok()? {
         return None;
     }
@@ -99,10 +93,9 @@ fn candidates(
     open.filter_map(|effect| best_start(searched, &refitter, probe, base, effect)).collect()
 }
 
-/// Whether a fit is worth its last effect. An event is in one place, and no other can predict it.
+/// Whether a fit is worth its last effect.
 fn gains(base: &TimeFit, fit: &TimeFit) -> bool {
-    let event = fit.active.last().is_some_and(|entry| entry.effect.id == PULSE);
-    if event { improvement(base, fit) < MAX_P } else { missed(base, fit) }
+    fit.active.last().is_some_and(|entry| needs(base, fit, entry.effect))
 }
 
 fn is_worse(fit: &TimeFit, best: &TimeFit) -> bool {
@@ -119,7 +112,7 @@ fn best_start(
     effect: &'static Effect,
 ) -> Option<(f64, Vec<Active>)> {
     let machine = searched.problem.machine(&base.active);
-    if effect.id == PULSE {
+    if effect.is_event() {
         let with = |pulse: &Pulse| {
             let values = vec![pulse.recording as f64, pulse.start_s, pulse.duration_s, pulse.amplitude];
             [base.active.as_slice(), &[refitter.entry(effect, values)]].concat()
@@ -165,7 +158,7 @@ fn hold(searched: &Searched, machine: &Physics, event: &Event) -> f64 {
 /// Evidence of an effect that the torque balance does not show, from simulation; none where it was not refitted there.
 pub(super) fn evidence(searched: &Searched, refined: &Refined, index: usize) -> Option<Evidence> {
     let with = refined.time.as_ref()?;
-    let without = with.without(&searched.problem, &searched.recordings[..searched.problem.fitted], index).ok()?;
+    let without = with.without(&searched.problem, searched.fitted(), index).ok()?;
     let heldout = |fit: &TimeFit| fit.heldout.iter().sum::<f64>();
     Some(Evidence {
         heldout_gain: 1.0 - (heldout(with) / heldout(&without).max(1e-300)).sqrt(),

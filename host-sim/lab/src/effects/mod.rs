@@ -198,6 +198,11 @@ impl Effect {
         (0..count).map(range).collect()
     }
 
+    /// Whether it happens once: nothing elsewhere can predict it, and no scatter over blocks tells how sure it is.
+    pub fn is_event(&self) -> bool {
+        self.id == "disturbance_pulse"
+    }
+
     /// The recording that the value at `index` belongs to alone; none for what holds for all of them.
     pub fn recording_of(&self, index: usize) -> Option<usize> {
         (self.id == "vibration" && index > 0).then(|| (index - 1) / 2)

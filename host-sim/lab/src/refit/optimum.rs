@@ -133,7 +133,7 @@ impl TimeFit {
             for (value, place) in step.iter_mut().zip(places(&point.active)) {
                 let now = point.active[place.effect].values[place.value];
                 // An event informs its own block only; nothing can predict it from the others.
-                let event = point.active[place.effect].effect.id == "disturbance_pulse";
+                let event = point.active[place.effect].effect.is_event();
                 *value = if event { 0.0 } else { (now + *value).clamp(place.low, place.high) - now };
             }
             (blocks[block] + 2.0 * scores[block].dot(&step) + step.dot(&(&normals[block] * &step))).max(0.0)

@@ -128,7 +128,7 @@ impl Probe<'_> {
     /// Of the last effect, a push: the earliest and latest start (its end kept) and the shortest and longest duration (its
     /// start kept), s, that leave these windows as they are but for noise. None for another effect.
     pub fn reach(&self, active: &[Active]) -> Option<[(f64, f64); 2]> {
-        let last = active.last().filter(|entry| entry.effect.id == "disturbance_pulse")?;
+        let last = active.last().filter(|entry| entry.effect.is_event())?;
         let (start_s, duration_s) = (last.values[1], last.values[2]);
         let least = self.loss(active)?;
         let allowed = |start_s: f64, duration_s: f64| {

@@ -39,11 +39,7 @@ pub(crate) fn excitation(problem: &Problem, physics: &Physics, residual: &[f64],
     let motions = &problem.motions[..problem.fitted];
     let efforts = || motions.iter().flat_map(|m| m.effort.iter().copied());
     let count = efforts().count().max(1) as f64;
-    let range = |motion: &super::Motion| {
-        let ends = motion.smooth.iter().fold((f64::MAX, f64::MIN), |(low, high), &q| (low.min(q), high.max(q)));
-        ends.1 - ends.0
-    };
-    let travel = motions.iter().map(range).fold(0.0, f64::max);
+    let travel = problem.travel();
     let fine = points(problem, residual, 0);
     let field_peak = peak(&mut motions.iter().filter_map(|m| m.field.as_ref()).flatten().copied());
     let duration_s = motions.iter().map(|m| m.t_s[m.t_s.len() - 1] - m.t_s[0]).fold(0.0, f64::max);

@@ -251,7 +251,7 @@ impl Fitter<'_> {
             let mut step = solve_near(&others, &normal, &pull);
             for (value, place) in step.iter_mut().zip(&places) {
                 // An event informs its own block only; nothing can predict it from the others.
-                if active[place.effect].effect.id == "disturbance_pulse" {
+                if active[place.effect].effect.is_event() {
                     *value = 0.0;
                 }
                 let now = active[place.effect].values[place.value];

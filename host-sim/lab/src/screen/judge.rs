@@ -16,7 +16,7 @@ pub(crate) const MIN_T: f64 = 3.0;
 
 /// t from which a fit is worse than another: of three ways to take it the largest, so that 2.5 is passed by one in a
 /// hundred fits that are as good.
-const WORSE_T: f64 = 2.5;
+pub(crate) const WORSE_T: f64 = 2.5;
 
 /// An effect tried on top of others.
 #[derive(Debug, Clone)]
@@ -48,15 +48,15 @@ impl Trial {
 /// Whether `fit` predicts the blocks significantly worse than `best`: paired over blocks, in squares or in shares of each
 /// block's own, and by more than a hair.
 pub fn worse(fit: &Fit, best: &Fit) -> bool {
-    paired_t(fit, best).max(relative_t(&fit.heldout, &best.heldout)) > WORSE_T
-        && fit.heldout_sse() - best.heldout_sse() > 0.01 * best.heldout_sse()
+    fall_t(&fit.heldout, &best.heldout) > WORSE_T && fit.heldout_sse() - best.heldout_sse() > 0.01 * best.heldout_sse()
 }
 
-/// t of the fall of the held-out squares from one fit to another, paired over blocks.
-pub(super) fn paired_t(from: &Fit, to: &Fit) -> f64 {
-    let pairs = from.heldout.iter().zip(&to.heldout).filter(|(a, b)| **a > 0.0 || **b > 0.0);
+/// t of the fall of the held-out squares of the blocks from one fit to another, in squares or in shares of each block's own,
+/// whichever is larger.
+pub(crate) fn fall_t(from: &[f64], to: &[f64]) -> f64 {
+    let pairs = from.iter().zip(to).filter(|(a, b)| **a > 0.0 || **b > 0.0);
     let changes: Vec<f64> = pairs.map(|(a, b)| a - b).collect();
-    t_of_mean(&changes)
+    t_of_mean(&changes).max(relative_t(from, to))
 }
 
 /// t of the mean of changes.
@@ -77,7 +77,7 @@ const FEW: usize = 4;
 
 /// t of the fall of squares over blocks, with each block's change relative to its size, over all blocks or over those that are touched at all: an effect
 /// that shows in a few strong blocks, as one of standstill does, is as certain as one that shows a little in all.
-pub(crate) fn relative_t(from: &[f64], to: &[f64]) -> f64 {
+fn relative_t(from: &[f64], to: &[f64]) -> f64 {
     let relative = |(a, b): (&f64, &f64)| (a + b > 0.0).then(|| (a - b) / (a + b));
     let changes: Vec<f64> = from.iter().zip(to).filter_map(relative).collect();
     let touched: Vec<f64> = changes.iter().copied().filter(|change| change.abs() > TOUCHED).collect();

@@ -131,6 +131,15 @@ impl Problem {
         self.equations.partition_point(|equation| equation.recording < self.fitted)
     }
 
+    /// The longest way from end to end of a recording to fit, rad (m).
+    pub(crate) fn travel(&self) -> f64 {
+        let range = |motion: &Motion| {
+            let ends = motion.smooth.iter().fold((f64::MAX, f64::MIN), |(low, high), &q| (low.min(q), high.max(q)));
+            ends.1 - ends.0
+        };
+        self.motions[..self.fitted].iter().map(range).fold(0.0, f64::max)
+    }
+
     /// The block that a time of a recording belongs to.
     pub(crate) fn block(&self, recording: usize, t_s: f64) -> usize {
         let (first, block_s) = self.spans[recording];

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::candidates::{excitation, spans, stands_out};
 use super::fit::{Fit, Fitter};
-use super::judge::{MAX_P, MIN_GAIN, MIN_T, Trial, p_value, paired_t, relative_t, worse};
+use super::judge::{MAX_P, MIN_GAIN, MIN_T, Trial, fall_t, p_value, worse};
 use super::noise::weights;
 use super::problem::{Active, Problem};
 use crate::effects::{Effect, Excitation};
@@ -24,9 +24,6 @@ const COUPLED: usize = 3;
 
 /// The scale of the drive stands for every other torque together: it comes last among equals.
 const SCALE: &str = "torque_gain";
-
-/// The one effect that is an event.
-const PULSE: &str = "disturbance_pulse";
 
 /// Where the search ended.
 #[derive(Debug, Clone)]
@@ -61,7 +58,7 @@ pub(super) fn conflicts(a: &Effect, b: &Effect) -> bool {
         &["compliance", "backlash"],
     ];
     if a.id == b.id {
-        return !matches!(a.id, "cogging" | PULSE);
+        return a.id != "cogging" && !a.is_event();
     }
     let viscosity = |e: &Effect| e.id.starts_with("viscosity");
     GROUPS
@@ -145,16 +142,16 @@ impl<'a> Search<'a> {
     }
 
     fn judge(&self, base: &Fit, effect: &'static Effect, fit: Fit, variants: usize) -> Trial {
-        let pulse = effect.id == PULSE;
+        let event = effect.is_event();
         // Every start and duration was a trial.
-        let variants = if pulse { variants + spans(self.problem) } else { variants };
+        let variants = if event { variants + spans(self.problem) } else { variants };
         let p_value = (p_value(self.problem, base, &fit) * variants as f64).min(1.0);
-        let (before, after, t) = if pulse {
+        let (before, after, t) = if event {
             // One event cannot be predicted from the other blocks; its own recording is its evidence.
             let stands_out = stands_out(self.problem, base, &fit);
             (base.sse, fit.sse, if stands_out { f64::INFINITY } else { 0.0 })
         } else {
-            (base.heldout_sse(), fit.heldout_sse(), paired_t(base, &fit).max(relative_t(&base.heldout, &fit.heldout)))
+            (base.heldout_sse(), fit.heldout_sse(), fall_t(&base.heldout, &fit.heldout))
         };
         Trial { effect, fit, gain: 1.0 - (after / before.max(1e-300)).sqrt(), p_value, t }
     }
@@ -164,8 +161,8 @@ impl<'a> Search<'a> {
     /// everything that explains several.
     fn choose<'t>(&self, trials: &'t [Trial]) -> Option<&'t Trial> {
         let accepted = || trials.iter().filter(|trial| trial.accepted());
-        let best = accepted().find(|trial| trial.effect.id != PULSE).or_else(|| accepted().next())?;
-        if best.effect.id == PULSE {
+        let best = accepted().find(|trial| !trial.effect.is_event()).or_else(|| accepted().next())?;
+        if best.effect.is_event() {
             return Some(best);
         }
         let cost = |trial: &Trial| (trial.fit.freedom(), trial.effect.id == SCALE);
@@ -224,12 +221,11 @@ impl<'a> Search<'a> {
     /// Two effects at once, where neither is accepted alone: what one mends in one direction it may spoil in the other.
     fn couple(&mut self, base: &Fit, trials: &[Trial]) -> Option<Trial> {
         let strong = |trial: &&Trial| trial.gain >= HALF && trial.p_value < MAX_P && !trial.at_bound();
-        let halves = trials.iter().filter(strong).filter(|trial| trial.effect.id != PULSE).take(COUPLED);
+        let halves = trials.iter().filter(strong).filter(|trial| !trial.effect.is_event()).take(COUPLED);
         let pairs: Vec<Trial> = halves.flat_map(|half| self.round(&half.fit)).collect();
-        let everywhere =
-            |trial: &Trial| paired_t(base, &trial.fit).max(relative_t(&base.heldout, &trial.fit.heldout)) >= MIN_T;
+        let everywhere = |trial: &Trial| fall_t(&base.heldout, &trial.fit.heldout) >= MIN_T;
         let accepted =
-            pairs.into_iter().filter(|trial| trial.effect.id != PULSE && trial.accepted() && everywhere(trial));
+            pairs.into_iter().filter(|trial| !trial.effect.is_event() && trial.accepted() && everywhere(trial));
         accepted.min_by(|a, b| a.fit.heldout_sse().total_cmp(&b.fit.heldout_sse()))
     }
 
@@ -280,7 +276,7 @@ impl<'a> Search<'a> {
                 self.fitter().fit(&rest, ITERATIONS)
             };
             let removable = (0..fit.active.len())
-                .filter(|&index| fit.active[index].effect.id != PULSE)
+                .filter(|&index| !fit.active[index].effect.is_event())
                 .map(without)
                 .map(|smaller| (1.0 - (fit.heldout_sse() / smaller.heldout_sse().max(1e-300)).sqrt(), smaller))
                 .filter(|(gain, _)| *gain < MIN_GAIN)

@@ -39,7 +39,7 @@ impl Twins {
 
     fn made(request: &Request<'_>, searched: &Searched, improved: &Physics, noises: &[Noise]) -> Result<Self, Error> {
         let problem = &searched.problem;
-        let recordings = &searched.recordings[..problem.fitted];
+        let recordings = searched.fitted();
         let floor = noise_floor(improved, recordings, &problem.motions, noises)?;
         let answered: Vec<&str> = searched.outcome.fit.active.iter().map(|entry| entry.effect.id).collect();
         let falsely_found = falsely_found(request, improved, recordings, &problem.motions, noises, &answered)?;
