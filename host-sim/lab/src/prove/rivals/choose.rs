@@ -17,6 +17,9 @@ const MOST: usize = 12;
 /// itself would be an exact fit, of anything.
 const SCALES: [&str; 2] = ["inertia", "torque_gain"];
 
+/// A script goes on for as long as a further group lowers the error on data it was not fitted to by this share.
+const LOWER: f64 = 0.03;
+
 /// What one more parameter costs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Criterion {
@@ -82,26 +85,17 @@ impl Gram {
             let columns = table.columns_of(chosen);
             self.left(&columns).map(|left| self.rows * left.ln() + each * columns.len() as f64)
         };
-        let mut chosen: Vec<usize> = Vec::new();
-        let mut best = self.rows * self.residual.max(1e-300).ln();
-        while chosen.len() < MOST {
-            let excludes = |a: &str, b: &str| a == b || SCALES.contains(&a) && SCALES.contains(&b);
-            let taken =
-                |group: usize| chosen.iter().any(|&other| excludes(table.groups[other].id, table.groups[group].id));
-            let with = |group: usize| {
-                let more: Vec<usize> = chosen.iter().copied().chain([group]).collect();
-                value(&more).map(|value| (group, value))
-            };
-            let open = groups.iter().copied().filter(|&group| !taken(group));
-            match open.filter_map(with).min_by(|a, b| a.1.total_cmp(&b.1)) {
-                Some((group, value)) if value < best => {
-                    chosen.push(group);
-                    best = value;
-                }
-                _ => break,
-            }
-        }
-        chosen
+        let nothing = self.rows * self.residual.max(1e-300).ln();
+        select(table, groups, nothing, value, |best| best)
+    }
+
+    /// Adds the group that lowers the error on unseen data most, until none lowers it by three hundredths.
+    pub(super) fn by_prediction(&self, table: &Table, unseen: &Table, groups: &[usize]) -> Vec<usize> {
+        let value = |chosen: &[usize]| {
+            let columns = table.columns_of(chosen);
+            self.fit(&columns).map(|weights| unseen.rms_after(&columns, &weights))
+        };
+        select(table, groups, unseen.rms(), value, |best| (1.0 - LOWER) * best)
     }
 
     /// Sequentially thresholded ridge regression on all columns (S. Brunton, J. Proctor, N. Kutz, 2016), largest term
@@ -130,6 +124,35 @@ impl Gram {
         }
         chosen
     }
+}
+
+/// Adds the group with the least value for as long as that is below what the value so far demands.
+fn select(
+    table: &Table,
+    groups: &[usize],
+    nothing: f64,
+    value: impl Fn(&[usize]) -> Option<f64>,
+    demanded: impl Fn(f64) -> f64,
+) -> Vec<usize> {
+    let mut chosen: Vec<usize> = Vec::new();
+    let mut best = nothing;
+    while chosen.len() < MOST {
+        let excludes = |a: &str, b: &str| a == b || SCALES.contains(&a) && SCALES.contains(&b);
+        let taken = |group: usize| chosen.iter().any(|&other| excludes(table.groups[other].id, table.groups[group].id));
+        let with = |group: usize| {
+            let more: Vec<usize> = chosen.iter().copied().chain([group]).collect();
+            value(&more).map(|value| (group, value))
+        };
+        let open = groups.iter().copied().filter(|&group| !taken(group));
+        match open.filter_map(with).min_by(|a, b| a.1.total_cmp(&b.1)) {
+            Some((group, value)) if value < demanded(best) => {
+                chosen.push(group);
+                best = value;
+            }
+            _ => break,
+        }
+    }
+    chosen
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 use super::smooth::{HALF, Kernels};
 use crate::read::{Machine, Recording};
 
-/// Slower than this the sign of the speed is noise, rad/s or m/s.
+/// Slower than this the sign of the speed is noise, and the axis may stand, rad/s or m/s.
 const MOVING: f64 = 0.03;
 /// One row in this many is used.
 const STRIDE: usize = 5;
@@ -47,21 +47,26 @@ impl Table {
     /// Adds the rows of a recording: where it moves, away from gaps.
     pub(super) fn add(&mut self, machine: &Machine, recording: &Recording) {
         let rows = recording.rows();
-        let Some(kernels) = Kernels::new().filter(|_| rows > 2 * HALF) else { return };
+        let Some(kernels) = Kernels::new().filter(|_| rows > 4 * HALF) else { return };
         let span_s = recording.t_s[rows - 1] - recording.t_s[0];
         let lost: usize = recording.seq.as_ref().map_or(0, |seq| (seq[rows - 1] - seq[0]) as usize + 1 - rows);
         let signals = Signals::new(machine, recording, kernels, span_s / (rows - 1 + lost) as f64);
         let near_gap = |at: usize| recording.gaps.iter().any(|gap| gap.abs_diff(at) <= 2 * HALF);
-        for at in (HALF..rows - HALF).step_by(STRIDE).filter(|&at| !near_gap(at)) {
-            let [_, speed, acceleration] = signals.kernels.at(signals.position, at, signals.period_s);
-            if speed.abs() > MOVING {
-                self.push(machine, &signals, at, recording.t_s[at], speed, acceleration);
-            }
+        let motion = |at: usize| signals.kernels.at(signals.position, at, signals.period_s);
+        let speeds: Vec<f64> = (HALF..rows - HALF).map(|at| motion(at)[1]).collect();
+        // Friction turns within a stretch that the speed crosses zero in: neither direction is true of it.
+        let one_way = |at: usize| {
+            let stretch = &speeds[at - 2 * HALF..=at];
+            stretch.iter().all(|w| *w > MOVING) || stretch.iter().all(|w| *w < -MOVING)
+        };
+        for at in (2 * HALF..rows - 2 * HALF).step_by(STRIDE).filter(|&at| !near_gap(at) && one_way(at)) {
+            let [_, speed, acceleration] = motion(at);
+            self.push(machine, &signals, at, recording.t_s[at], speed, acceleration);
         }
     }
 
     fn push(&mut self, machine: &Machine, signals: &Signals<'_>, at: usize, t_s: f64, w: f64, acceleration: f64) {
-        let smooth = |signal: &[f64]| signals.kernels.value(signal, at);
+        let smooth = |signal: &[f64]| signals.kernels.torque(signal, at);
         let plant = &machine.plant;
         let (sign, torque, er) = (w.signum(), smooth(&signals.acting), smooth(&signals.er));
         let known = torque - sign * (plant.coulomb + er) - plant.viscous * w;
@@ -123,7 +128,7 @@ impl Table {
 
 /// Smoothed acting torque some rows ago, as far as the recording goes back.
 fn smooth_back(signals: &Signals<'_>, back: usize, at: usize) -> f64 {
-    signals.kernels.value(&signals.acting, at.saturating_sub(back).max(HALF))
+    signals.kernels.torque(&signals.acting, at.saturating_sub(back).max(HALF))
 }
 
 impl<'a> Signals<'a> {
@@ -144,7 +149,7 @@ impl<'a> Signals<'a> {
             let dead = law(&lagged(&delayed(&field, (dead_s + more_s) / period_s), lag_s / period_s));
             let lag = law(&lagged(&delayed(&field, dead_s / period_s), (lag_s + more_s) / period_s));
             for at in HALF..field.len().saturating_sub(HALF) {
-                er_delayed[at * DELAYS_S.len() + k] = [kernels.value(&dead, at), kernels.value(&lag, at)];
+                er_delayed[at * DELAYS_S.len() + k] = [kernels.torque(&dead, at), kernels.torque(&lag, at)];
             }
         }
         let er_slope = now.iter().map(|e| (2.0 * a * e + b) * e).collect();
@@ -161,12 +166,13 @@ fn delayed(signal: &[f64], rows: f64) -> Vec<f64> {
     (0..signal.len()).map(|at| (1.0 - share) * back(at, whole) + share * back(at, whole + 1)).collect()
 }
 
-/// A held signal through a first-order lag of some rows.
+/// A signal at the instants of the rows through a first-order lag of some rows, by the rule of trapezoids: the rule of
+/// rectangles is half a row ahead.
 fn lagged(signal: &[f64], rows: f64) -> Vec<f64> {
-    let share = if rows > 0.0 { -(-1.0 / rows).exp_m1() } else { 1.0 };
-    let follow = |state: &mut f64, input: &f64| {
-        *state += share * (input - *state);
-        Some(*state)
+    let follow = |(state, last): &mut (f64, f64), input: &f64| {
+        *state = ((2.0 * rows - 1.0) * *state + *last + input) / (2.0 * rows + 1.0);
+        *last = *input;
+        Some(if rows > 0.0 { *state } else { *input })
     };
-    signal.iter().scan(0.0, follow).collect()
+    signal.iter().scan((0.0, 0.0), follow).collect()
 }
