@@ -89,19 +89,19 @@ impl Case {
     pub fn write(&self, folder: &Path) -> Result<(), Error> {
         let mut random = self.random.clone();
         let resolution = self.resolution();
-        // A log too coarse to replay the law comes without a controller to check.
-        let controller = resolution == Resolution::Counts;
+        // A log too coarse to replay the law comes without a controller to check, and so does a field that no law commands.
+        let controller = resolution == Resolution::Counts && self.blueprint.held_kv_mm.is_none();
         put(&folder.join(MACHINE), machine_file::text(&self.nominal, resolution, controller).as_bytes())?;
         let families = self.families(&mut random);
         for (index, (family, name)) in families.into_iter().zip(FITTED.into_iter().chain([HELD_OUT])).enumerate() {
             let reference = family.draw(DURATION_S, f64::from(self.config.period_s), &mut random);
-            let rows = self.play(&reference, index, &mut random)?;
+            let rows = self.play(&reference, index, self.blueprint.held_kv_mm, &mut random)?;
             put(&folder.join(name), &csv(&rows, resolution)?)?;
         }
         Ok(())
     }
 
-    /// Plays an experiment's reference (the text of a CSV file) on the same machine, twice.
+    /// Plays an experiment's reference (the text of a CSV file) on the same machine under the law, twice.
     ///
     /// # Errors
     /// A reference that is none, a drive that trips, a file that cannot be written.
@@ -109,7 +109,7 @@ impl Case {
         let mut random = StdRng::seed_from_u64(self.seed ^ 0x5eed);
         let reference = from_csv(reference, f64::from(self.config.period_s))?;
         for (index, name) in EXPERIMENT.into_iter().enumerate() {
-            let rows = self.play(&reference, 1 + index, &mut random)?;
+            let rows = self.play(&reference, 1 + index, None, &mut random)?;
             put(&folder.join(name), &csv(&rows, self.resolution())?)?;
         }
         Ok(())
@@ -134,10 +134,16 @@ impl Case {
         [Family::Steps, second, third]
     }
 
-    fn play(&self, reference: &[Counts], index: usize, random: &mut StdRng) -> Result<Vec<Row>, Error> {
+    fn play(
+        &self,
+        reference: &[Counts],
+        index: usize,
+        held_kv_mm: Option<f32>,
+        random: &mut StdRng,
+    ) -> Result<Vec<Row>, Error> {
         let physics = for_recording(&self.physics, index, random);
         let jitter_s = if self.blueprint.decoy == Some(Decoy::Jitter) { JITTER_S } else { 0.0 };
-        let run = Run { physics: &physics, config: &self.config, jitter_s, seed: random.random() };
+        let run = Run { physics: &physics, config: &self.config, jitter_s, held_kv_mm, seed: random.random() };
         let mut rows = run.follow(reference)?;
         if self.blueprint.decoy == Some(Decoy::Gaps) {
             lose(&mut rows, random);

@@ -43,6 +43,8 @@ pub struct Run<'a> {
     pub config: &'a Config,
     /// Largest deviation of a control period, s; the stamps tell it.
     pub jitter_s: f64,
+    /// Field that a bench supply holds in place of the law's, kV/mm.
+    pub held_kv_mm: Option<f32>,
     /// Of every noise.
     pub seed: u64,
 }
@@ -81,21 +83,23 @@ impl Run<'_> {
                 let faults = format!("{:?}", outputs.supervisor);
                 return Err(Error::Tripped { t_s: rotor.now_s(), faults });
             }
+            // The law watches its own supply, which goes on as it says; the fluid may be on another.
             field_kv_mm = outputs.field_kv_mm;
+            let (acting_kv_mm, mode) = self.held_kv_mm.map_or((field_kv_mm, outputs.mode), |held| (held, Mode::Brake));
             rows.push(Row {
                 seq: rows.len(),
                 t_s: rotor.now_s(),
                 reference,
                 position: outputs.position,
                 torque_nm: outputs.torque_nm,
-                field_kv_mm,
-                mode: outputs.mode,
+                field_kv_mm: acting_kv_mm,
+                mode,
                 speed_rad_s: outputs.speed_rad_s,
             });
             let command = Command {
                 torque_nm: f64::from(outputs.torque_nm),
-                field_kv_mm: f64::from(field_kv_mm),
-                braking: outputs.mode == Mode::Brake,
+                field_kv_mm: f64::from(acting_kv_mm),
+                braking: mode == Mode::Brake,
                 speed_rad_s: f64::from(outputs.speed_rad_s),
                 viscosity_nm_s_rad: None,
                 external_nm: self.physics.torque_noise_nm * unit_normal(&mut random),

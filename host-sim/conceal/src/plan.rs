@@ -111,11 +111,13 @@ pub struct Blueprint {
     pub sizes: Sizes,
     /// How the log misleads, if it does.
     pub decoy: Option<Decoy>,
+    /// Field that a bench supply holds in place of the law's, kV/mm. Such a machine comes without a controller to check.
+    pub held_kv_mm: Option<f32>,
 }
 
 impl Blueprint {
     fn new(arm: Arm, effects: &[&'static str], size: f64) -> Self {
-        Self { arm, effects: effects.to_vec(), sizes: Sizes { high: size, low: size }, decoy: None }
+        Self { arm, effects: effects.to_vec(), sizes: Sizes { high: size, low: size }, decoy: None, held_kv_mm: None }
     }
 
     fn misled(effects: &[&'static str], decoy: Decoy) -> Self {
@@ -170,21 +172,25 @@ const TRIPLES: [[&str; 3]; 8] = [
     ["disturbance_pulse", "quadratic_drag", "inertia"],
 ];
 
-/// What one slow sine cannot tell from something else, or carries no trace of.
-const CONFOUNDED: [&str; 12] = [
-    "coulomb_friction",
-    "er_strength",
-    "field_gain",
-    "field_lag",
-    "field_dead_time",
-    "inertia",
-    "torque_gain",
-    "torque_delay",
-    "viscous_friction",
-    "spring_load",
-    "friction_asymmetry",
-    "sensor_latency",
+/// What one slow sine cannot tell from something else, or carries no trace of, with the field that a bench supply holds
+/// meanwhile, kV/mm; without one the law commands the field.
+const CONFOUNDED: [(&str, Option<f32>); 12] = [
+    ("coulomb_friction", HELD),
+    ("er_strength", HELD),
+    ("field_gain", HELD),
+    ("field_lag", None),
+    ("field_dead_time", None),
+    ("inertia", None),
+    ("torque_gain", HELD),
+    ("torque_delay", None),
+    ("viscous_friction", HELD),
+    ("spring_load", None),
+    ("friction_asymmetry", HELD),
+    ("sensor_latency", None),
 ];
+
+/// A field that more than doubles the dry friction, kV/mm.
+const HELD: Option<f32> = Some(1.5);
 
 /// Clear effects that a misleading log must not hide.
 const BESIDE_DECOYS: [&str; 4] = ["coulomb_friction", "viscous_friction", "torque_offset", "gravity_load"];
@@ -213,7 +219,9 @@ pub fn plan() -> Vec<Blueprint> {
     plan.extend(
         [1.0, 0.5].iter().flat_map(|&size| ids(false).map(move |id| Blueprint::new(Arm::Outside, &[id], size))),
     );
-    plan.extend(CONFOUNDED.iter().map(|id| Blueprint::new(Arm::Poor, &[id], 1.0)));
+    plan.extend(
+        CONFOUNDED.iter().map(|&(id, held_kv_mm)| Blueprint { held_kv_mm, ..Blueprint::new(Arm::Poor, &[id], 1.0) }),
+    );
     plan.extend(vec![Blueprint::new(Arm::Controller, &[], 1.0); 4]);
     plan
 }

@@ -12,7 +12,7 @@ use rand::rngs::StdRng;
 fn rows(physics: &Physics, duration_s: f64) -> Vec<Row> {
     let reference = Family::Steps.draw(duration_s, 0.0005, &mut StdRng::seed_from_u64(3));
     let config = Config::default();
-    Run { physics, config: &config, jitter_s: 0.0, seed: 5 }.follow(&reference).unwrap()
+    Run { physics, config: &config, jitter_s: 0.0, held_kv_mm: None, seed: 5 }.follow(&reference).unwrap()
 }
 
 #[test]
@@ -53,7 +53,7 @@ fn no_effect_trips_the_drive_under_any_family() {
             let mut physics = Physics::nominal();
             entry.conceal(1.0, &mut physics, &mut random);
             let reference = family.draw(1.2, 0.0005, &mut random);
-            let run = Run { physics: &physics, config: &Config::default(), jitter_s: 20e-6, seed: 1 };
+            let run = Run { physics: &physics, config: &Config::default(), jitter_s: 20e-6, held_kv_mm: None, seed: 1 };
             assert!(run.follow(&reference).is_ok(), "{} {family:?}", entry.id);
         }
     }

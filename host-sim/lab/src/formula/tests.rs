@@ -31,7 +31,7 @@ fn simulated(change: impl Fn(&mut Physics)) -> Option<Formula> {
 /// parameters of that effect.
 fn concealed(id: &'static str) -> (Option<Formula>, Vec<f64>) {
     let sizes = Sizes { high: 1.0, low: 1.0 };
-    let case = Case::of(7, Blueprint { arm: Arm::Outside, effects: vec![id], sizes, decoy: None });
+    let case = Case::of(7, Blueprint { arm: Arm::Outside, effects: vec![id], sizes, decoy: None, held_kv_mm: None });
     let folder = tempfile::tempdir().unwrap();
     case.write(folder.path()).unwrap();
     let machine = Machine::read(&folder.path().join("machine.toml")).unwrap();

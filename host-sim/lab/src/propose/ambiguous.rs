@@ -8,7 +8,7 @@ use crate::residual::sensor_noise;
 use crate::screen::{Outcome, Problem, Refitter};
 
 /// Rivals at most; every pair of them costs time.
-const RIVALS: usize = 3;
+const RIVALS: usize = 4;
 
 /// What to record next where the best model has effects with equivalents: the best model against itself with each such
 /// effect swapped for its equivalents, best first. `floor_rms` is what noise alone leaves in the

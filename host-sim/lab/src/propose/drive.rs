@@ -50,11 +50,10 @@ pub(super) enum Loop {
 }
 
 impl Loop {
-    /// The law of the machine file. A rotary axis with a damper has the flashed law even where the file does not say, as
-    /// `simulate` does; any other machine without `[controller]` gets a PD of the paper's gains for its delay.
+    /// The law, or for a machine that has none a PD of the paper's gains for its delay.
     pub(super) fn of(machine: &Machine, limits: &Limits) -> Self {
-        if machine.axis.kind == AxisKind::Rotary && (machine.controller.is_some() || machine.plant.er.is_some()) {
-            return Self::Law(machine.controller.unwrap_or_default());
+        if let Some(config) = law_of(machine) {
+            return Self::Law(config);
         }
         let plant = &machine.plant;
         let period_s = machine.axis.sample_period_s;
@@ -105,6 +104,13 @@ impl Loop {
         let asked = asked(&commands, &states);
         Some(Motion { starts, rows, asked, t_s, commands, before: Command::default() })
     }
+}
+
+/// The law that will run an experiment: that of the machine file; a rotary axis with a damper has the flashed law even where
+/// the file does not say, as `simulate` has it.
+pub(super) fn law_of(machine: &Machine) -> Option<Config> {
+    let servo = machine.axis.kind == AxisKind::Rotary && machine.plant.er.is_some();
+    machine.controller.filter(|_| machine.axis.kind == AxisKind::Rotary).or(servo.then(Config::default))
 }
 
 fn asked(commands: &[Command], states: &[State]) -> Limits {

@@ -1,5 +1,6 @@
 //! What the machine may be put through.
 
+use super::drive::law_of;
 use crate::read::{Machine, Recording};
 
 /// Bounds of an experiment; units of the axis.
@@ -19,12 +20,12 @@ const OF_TRIP_SPEED: f64 = 0.5;
 impl Limits {
     /// What the machine file states; where it states nothing, what the recordings have already shown to do no harm.
     ///
-    /// `[controller]` states the torque and the speed it trips at. A rotary axis under that law may turn once around, as
-    /// nothing in a machine file bounds its angle; any other axis keeps to the travel of its recordings.
+    /// The law that will run the experiment has the torque and the speed it trips at. A rotary axis under it may turn once
+    /// around, as nothing in a machine file bounds its angle; any other axis keeps to the travel of its recordings.
     pub fn of(machine: &Machine, recordings: &[Recording]) -> Self {
         let shown =
             recordings.iter().map(Self::shown).fold(Self { speed: 0.0, torque: 0.0, travel: 0.0 }, Self::either);
-        let Some(config) = &machine.controller else {
+        let Some(config) = law_of(machine) else {
             return Self { torque: shown.torque.min(machine.plant.torque_limit.unwrap_or(f64::INFINITY)), ..shown };
         };
         let stated = f64::from(config.torque_limit_nm).min(machine.plant.torque_limit.unwrap_or(f64::INFINITY));

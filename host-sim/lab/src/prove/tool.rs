@@ -39,7 +39,8 @@ pub struct Question<'a> {
 }
 
 impl Tool {
-    /// Asks in a folder; the answer stays there as `NAME.json`.
+    /// Asks in a folder; the answer stays there as `NAME.json`, the reference it proposes, if any, as
+    /// `NAME.experiment.csv`.
     ///
     /// # Errors
     /// A process that cannot be started, fails or does not end in time; an answer that is none.
@@ -48,6 +49,7 @@ impl Tool {
         let mut command = Command::new(&self.program);
         command.current_dir(folder).args(["diagnose", "--machine", question.machine, "--json", &file]);
         command.arg("--jobs").arg(self.jobs.to_string());
+        command.args(["--experiment", &format!("{name}.experiment.csv")]);
         for held_out in &question.holdout {
             command.args(["--holdout", held_out]);
         }

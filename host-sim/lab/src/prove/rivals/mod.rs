@@ -85,7 +85,10 @@ mod tests {
 
     fn named(effects: &[&'static str]) -> Vec<RivalAnswer> {
         let sizes = Sizes { high: 1.0, low: 1.0 };
-        let case = Case::of(5, Blueprint { arm: Arm::Single, effects: effects.to_vec(), sizes, decoy: None });
+        let case = Case::of(
+            5,
+            Blueprint { arm: Arm::Single, effects: effects.to_vec(), sizes, decoy: None, held_kv_mm: None },
+        );
         let folder = tempfile::tempdir().unwrap();
         case.write(folder.path()).unwrap();
         answers(folder.path(), MACHINE, &FITTED, HELD_OUT, &case.truth).unwrap()
@@ -113,7 +116,8 @@ mod tests {
     #[test]
     fn an_effect_that_was_taken_out_is_named_by_none() {
         let sizes = Sizes { high: 1.0, low: 1.0 };
-        let blueprint = Blueprint { arm: Arm::Removed, effects: vec!["spring_load"], sizes, decoy: None };
+        let blueprint =
+            Blueprint { arm: Arm::Removed, effects: vec!["spring_load"], sizes, decoy: None, held_kv_mm: None };
         let case = Case::of(6, blueprint);
         let folder = tempfile::tempdir().unwrap();
         case.write(folder.path()).unwrap();
