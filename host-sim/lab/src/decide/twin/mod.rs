@@ -124,17 +124,18 @@ fn follow(
 ) -> Result<Vec<f64>, plant::Error> {
     let (t_s, latency_s) = (&recording.t_s, model.sensor.latency_s);
     let rows = t_s.len();
-    // The recorded position is late, so is where the motion is at a row.
+    // The recorded position is late and errs with the angle, and so does where the motion is at a row.
     let wanted = |row: usize| {
-        let speed = path.speed[row];
-        State::new(path.position[row] + latency_s * speed, speed)
+        let (shown, speed) = (path.position[row], path.speed[row]);
+        let error = model.sensor.distorted(shown) - shown;
+        State::new(shown - error + latency_s * speed, speed)
     };
     let first = wanted(0);
     let mut plant = Plant::new(model, first, t_s[0])?;
     let mut reported = Vec::with_capacity(rows);
     while reported.len() < rows && t_s[reported.len()] - latency_s <= t_s[0] {
         let before_s = t_s[reported.len()] - latency_s - t_s[0];
-        reported.push(first.position + before_s * first.velocity);
+        reported.push(model.sensor.distorted(first.position + before_s * first.velocity));
     }
     for row in 0..rows {
         commands[row].torque = correction.command(commands[row].torque, wanted(row), plant.state());

@@ -41,7 +41,7 @@ fn a_twin_follows_the_recorded_motion_and_is_the_same_for_the_same_seed() {
 fn a_clean_twin_leaves_nothing_in_the_windows_whatever_its_sensor() {
     let recorded = recording(&nominal(), 0.0, 2.0, 2);
     for latency_s in [0.0, 0.0012, -0.0012] {
-        let eccentricity = Some(Harmonic { order: 4.0, sine: 0.002, cosine: 0.0 });
+        let eccentricity = Some(Harmonic { order: 4.0, sine: 0.002, cosine: 0.001 });
         let machine = Physics { latency_s, eccentricity, ..nominal() };
         let motion = Motion::new(&recorded, &nominal(), RESOLUTION);
         let noise = Noise { torque: 0.0, position: 0.0, resolution: 0.0 };
