@@ -5,14 +5,14 @@
 //! their shapes. Where that single cause may be named, the search prefers it, for it changes fewer effects. Where it may not,
 //! or is no effect of the vocabulary at all, values that agree by chance are no explanation.
 
-use crate::effects::{Effect, Harmonic, Physics};
+mod shape;
+
+use crate::effects::{Effect, Physics};
 use crate::report::{EffectAnswer, Interval};
 use crate::screen::Problem;
 
 /// Two values agree where they are no further apart than this many times their common interval.
 const AGREES: f64 = 2.0;
-/// Torques over position cancel where this share of the largest is left of their sum.
-const CANCELS: f64 = 0.2;
 
 /// A value with the half-width of its interval.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -63,8 +63,7 @@ pub(super) fn coincidences(
     let mut found: Vec<String> =
         delays.into_iter().filter(|(one, _)| barred(one)).filter_map(|(_, words)| words).collect();
     found.extend(one_scale(nominal, effects, &barred));
-    found.extend(cancelling(problem, nominal, improved));
-    found.extend(longer_than_the_travel(problem, nominal, improved));
+    found.extend(shape::coincidences(problem, effects, improved, &barred));
     found
 }
 
@@ -132,53 +131,6 @@ fn one_scale(nominal: &Physics, effects: &[EffectAnswer], barred: &dyn Fn(&str) 
     })
 }
 
-/// Added torques over position of which little is left in the sum: a shape that none of them has.
-fn cancelling(problem: &Problem, nominal: &Physics, improved: &Physics) -> Option<String> {
-    let change = |of: fn(&Physics) -> Option<Harmonic>| -> Vec<(f64, Harmonic)> {
-        let (old, new) = (of(nominal), of(improved));
-        let signed = [(1.0, new), (-1.0, old)];
-        if old == new {
-            Vec::new()
-        } else {
-            signed.into_iter().filter_map(|(sign, wave)| Some((sign, wave?))).collect()
-        }
-    };
-    let gravity = change(|physics| physics.gravity);
-    let added = |wave: &&Harmonic| !nominal.cogging.contains(wave);
-    let waves: Vec<Harmonic> = improved.cogging.iter().filter(added).copied().collect();
-    let spring = improved.spring - nominal.spring;
-    let offset = improved.torque_offset - nominal.torque_offset;
-    let (mut sizes, mut sum, mut rows) = (vec![0.0; 3 + waves.len()], 0.0, 0.0_f64);
-    for position in problem.motions[..problem.fitted].iter().flat_map(|motion| &motion.smooth) {
-        let weight: f64 = gravity.iter().map(|(sign, wave)| sign * wave.at(*position)).sum();
-        let alone = [offset, weight, -spring * position];
-        let torques: Vec<f64> = alone.into_iter().chain(waves.iter().map(|wave| wave.at(*position))).collect();
-        sizes.iter_mut().zip(&torques).for_each(|(size, torque)| *size += torque * torque);
-        sum += torques.iter().sum::<f64>().powi(2);
-        rows += 1.0;
-    }
-    let largest = sizes.into_iter().fold(0.0, f64::max);
-    (largest > 0.0 && sum < CANCELS * CANCELS * largest).then(|| {
-        format!(
-            "torques over position of up to {:.3} cancel to {:.3} in the mean: together they stand for a shape that none of \
-             them has",
-            (largest / rows).sqrt(),
-            (sum / rows).sqrt()
-        )
-    })
-}
-
-/// Two waves over position of which none is passed once are a series for whatever shape the travel shows.
-fn longer_than_the_travel(problem: &Problem, nominal: &Physics, improved: &Physics) -> Option<String> {
-    let travel = problem.travel();
-    let gravity = improved.gravity.filter(|_| improved.gravity != nominal.gravity);
-    let added = improved.cogging.iter().filter(|wave| !nominal.cogging.contains(wave)).copied().chain(gravity);
-    let long = added.filter(|wave| wave.order * travel < std::f64::consts::TAU).count();
-    (long > 1).then(|| {
-        format!("{long} torques over position of which none is passed once in a travel of {travel:.3}: a shape, not its cause")
-    })
-}
-
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
@@ -188,16 +140,16 @@ mod tests {
     use crate::report::Evidence;
     use crate::screen::Motion;
 
-    fn nominal() -> Physics {
+    pub(super) fn nominal() -> Physics {
         Physics::nominal(&machine())
     }
 
-    fn problem() -> Problem {
+    pub(super) fn problem() -> Problem {
         let recorded = crate::decide::testing::recording(&nominal(), 0.05, 2.0, 1);
         Problem::new(vec![Motion::new(&recorded, &nominal(), 1.3e-5)], 1, nominal())
     }
 
-    fn effect(id: &str, values: &[f64]) -> EffectAnswer {
+    pub(super) fn effect(id: &str, values: &[f64]) -> EffectAnswer {
         let interval = |&value: &f64| Interval {
             id: String::new(),
             value,
@@ -249,25 +201,5 @@ mod tests {
         let found = coincidences(&problem(), &scaled(1.1), &nominal(), &without("torque_gain"));
         assert!(found.len() == 1 && found[0].contains("1.1000 times"), "{found:?}");
         assert!(coincidences(&problem(), &scaled(1.2), &nominal(), &without("torque_gain")).is_empty());
-    }
-
-    #[test]
-    fn a_spring_that_takes_back_a_weight_is_neither() {
-        let with = |spring: f64| {
-            let gravity = Some(Harmonic { order: 1.0, sine: 12.9, cosine: 0.0 });
-            Physics { spring, gravity, ..nominal() }
-        };
-        assert_eq!(coincidences(&problem(), &[], &with(12.9), &VOCABULARY).len(), 1);
-        assert_eq!(coincidences(&problem(), &[], &with(2.0), &VOCABULARY), Vec::<String>::new());
-    }
-
-    #[test]
-    fn two_waves_longer_than_the_travel_are_a_series() {
-        let with = |order: f64| {
-            let wave = |order: f64| Harmonic { order, sine: 0.3, cosine: 0.0 };
-            Physics { gravity: Some(wave(1.0)), cogging: vec![wave(order)], ..nominal() }
-        };
-        assert_eq!(coincidences(&problem(), &[], &with(2.0), &VOCABULARY).len(), 1);
-        assert_eq!(coincidences(&problem(), &[], &with(14.0), &VOCABULARY), Vec::<String>::new());
     }
 }
