@@ -75,7 +75,7 @@ fn explains_as_much(refitter: &Refitter<'_>, best: &Fit, index: usize) -> f64 {
     best.sse + SHORT * (refitter.fit(&rest).sse - best.sse)
 }
 
-/// Every effect that may stand in the place of one of the best model and has no more parameters, best first.
+/// Every effect that may stand in the place of one of the best model and needs no more parameters, best first.
 fn rivals(refitter: &Refitter<'_>, best: &Fit, index: usize, vocabulary: &[&'static Effect]) -> Vec<Rival> {
     let replaced = &best.active[index];
     let freedom = replaced.effect.freedom(&replaced.values);
@@ -86,7 +86,7 @@ fn rivals(refitter: &Refitter<'_>, best: &Fit, index: usize, vocabulary: &[&'sta
         .filter(|(effect, _)| effect.id != replaced.effect.id)
         .filter_map(|(effect, fit)| {
             let entry = fit.active.last().filter(|entry| !entry.at_bound())?;
-            let own = effect.freedom(&entry.values);
+            let own = effect.essential(&entry.values);
             (own <= freedom).then_some((own, Rival { effect, fit }))
         })
         .collect();

@@ -29,6 +29,8 @@ const COMPARABLE: f64 = 0.45;
 const SWALLOWED: f64 = 1.8;
 /// Held-out gain by the means over a channel of state: the true model leaves less of the residual to predict.
 const PREDICTABLE: f64 = 0.15;
+/// A model whose windows leave this many times what the nominal one leaves has gone astray.
+const ASTRAY: f64 = 1.1;
 /// An effect that lowers the held-out error by less does not make the whole answer uncertain where it has equivalents.
 const MINOR: f64 = 0.1;
 
@@ -73,9 +75,17 @@ fn is_unknown(searched: &Searched, answer: &Answer, left: &Leftover, twins: &Twi
     let explains = explained(outcome.nominal.sse, outcome.fit.sse, outcome.fit.residual_count());
     // A value that stands where the search ends belongs to something else that pushes it there.
     let pushed = active.iter().any(Active::at_bound);
-    let poor = explains < EXPLAINS || explains < WHOLE && left.excess > FAR;
-    let substitute = left.gain > PREDICTABLE || left.excess < ROUGH && comparable(&answer.effects, fit, twins);
-    poor || pushed || substitute && !memory || above_floor || swallowed
+    let held_out_rms = fit.heldout_after_rms;
+    let windows_left = twins.noise_floor_rms.is_none_or(|floor| held_out_rms > LEFT * floor);
+    // The bumps filter the motion of a load, and blur its impacts: there the windows are the witness.
+    let rough = if memory { windows_left } else { explains < WHOLE };
+    let poor = explains < EXPLAINS || left.excess > FAR && rough;
+    // What is below the noise and not seen in the windows is the bumps' own.
+    let predictable = left.gain > PREDICTABLE && (left.excess > 1.0 || windows_left);
+    let substitute = predictable || left.excess < ROUGH && comparable(&answer.effects, fit, twins);
+    // What predicts the torque balance and drives the simulation off is not how the machine moves.
+    let astray = fit.after_rms > ASTRAY * fit.before_rms;
+    poor || pushed || astray || substitute && !memory || above_floor || swallowed
 }
 
 /// Whether what the windows have above their floor is as much as the weakest effect explains in them.

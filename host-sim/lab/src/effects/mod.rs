@@ -212,6 +212,12 @@ impl Effect {
     pub fn freedom(&self, values: &[f64]) -> usize {
         (0..values.len()).filter(|&index| self.parameter(index).free).count()
     }
+
+    /// Number of those without which there is no such effect: levels of friction that differ are an asymmetry, whatever the
+    /// slopes do.
+    pub fn essential(&self, values: &[f64]) -> usize {
+        if self.id == "friction_asymmetry" { 1 } else { self.freedom(values) }
+    }
 }
 
 /// Reported values are the fitted ones.

@@ -2,11 +2,12 @@
 
 use super::{Effect, Harmonic, Size, always, amplitude_order_phase, fixed, sized};
 
-/// The entry of the vocabulary.
+/// The entry of the vocabulary. A sensor that errs by more than a fiftieth of the travel is broken, and its slope is none of
+/// a small correction any more.
 pub static EFFECT: Effect = Effect {
     id: "resolver_eccentricity",
     sentence: "The position sensor errs with the angle: a resolver or encoder disc mounted off centre, or unequal windings.",
-    parameters: &[fixed(), sized(Size::Travel, -0.1, 0.1, 1e-4), sized(Size::Travel, -0.1, 0.1, 1e-4)],
+    parameters: &[fixed(), sized(Size::Travel, -0.02, 0.02, 1e-4), sized(Size::Travel, -0.02, 0.02, 1e-4)],
     applies: always,
     // The error scales the acceleration, which no spectrum of the torque over the angle shows: the low orders are always
     // tried.
