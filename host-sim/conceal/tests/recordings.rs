@@ -77,3 +77,24 @@ fn a_case_is_the_same_files_every_time_and_keeps_its_gaps() {
     let case = Case::of(3, nominal[0].clone());
     assert_eq!(case.truth.effects[0].id, "inertia");
 }
+
+#[test]
+fn a_held_field_is_what_the_log_shows_and_what_brakes() {
+    use conceal::case::{Case, MACHINE};
+    use conceal::plan::plan;
+    let seed = plan().iter().position(|case| case.held_kv_mm.is_some()).unwrap() as u64;
+    let folder = tempfile::tempdir().unwrap();
+    Case::draw(seed).write(folder.path()).unwrap();
+    let read = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();
+    assert!(!read(MACHINE).contains("[controller]"));
+    let rows = read("a.csv");
+    assert!(rows.lines().skip(1).all(|row| row.contains(",1.5,brake,")), "{}", rows.lines().nth(1).unwrap());
+    let reference = Family::SlowSine.draw(2.0, 0.0005, &mut StdRng::seed_from_u64(3));
+    let travelled = |held_kv_mm| {
+        let run = Run { physics: &Physics::nominal(), config: &Config::default(), jitter_s: 0.0, held_kv_mm, seed: 5 };
+        let rows = run.follow(&reference).unwrap();
+        rows.iter().map(|row| f64::from(row.torque_nm).abs()).sum::<f64>() / rows.len() as f64
+    };
+    let (free, held) = (travelled(Some(0.0)), travelled(Some(1.5)));
+    assert!(held > free + 0.5, "{free} {held} N m");
+}
