@@ -14,11 +14,10 @@ const EXPLAINS: f64 = 0.85;
 const FAR: f64 = 3.0;
 /// is only the roughness of a real machine if it is this small a share of what there was.
 const WHOLE: f64 = 0.98;
-/// The windows of a true model come down to their floor; this many times the floor is something else. Windows of a model
-/// with a memory start from a state that is known less well.
+/// The windows of a true model come down to their floor; this many times the floor is something else.
 const OVER_FLOOR: f64 = 3.0;
-/// The same for a model with a memory.
-const OVER_FLOOR_WITH_MEMORY: f64 = 10.0;
+/// The same for a model with a memory, which has more values to come down with.
+const OVER_FLOOR_WITH_MEMORY: f64 = 1.5;
 /// Above this many times the floor something is left: the roughness of a real machine, or what a substitute misses.
 const LEFT: f64 = 1.25;
 /// It is roughness where the residual of the torque balance is more than this many times its noise, in mean squares, too;
@@ -62,9 +61,10 @@ fn is_unknown(searched: &Searched, answer: &Answer, left: &Leftover, twins: &Twi
     let (outcome, fit) = (&searched.outcome, &answer.fit);
     let active = &outcome.fit.active;
     let memory = searched.problem.machine(active).remembers();
-    let over = if memory { OVER_FLOOR_WITH_MEMORY } else { OVER_FLOOR };
+    let held_out_rms = fit.heldout_after_rms;
+    let (rms, over) = if memory { (held_out_rms, OVER_FLOOR_WITH_MEMORY) } else { (fit.after_rms, OVER_FLOOR) };
     // Standstill tells nothing in the weak form, and may tell all in the windows.
-    let above_floor = twins.noise_floor_rms.is_some_and(|floor| fit.after_rms > over * floor);
+    let above_floor = twins.noise_floor_rms.is_some_and(|floor| rms > over * floor);
     // A twin that scatters far more than the recording was given as noise what is none; of a machine with a memory it may
     // scatter because its windows start from a state that is known less well.
     let swallowed = !memory && twins.noise_floor_rms.is_some_and(|floor| floor > SWALLOWED * fit.after_rms);
@@ -75,7 +75,6 @@ fn is_unknown(searched: &Searched, answer: &Answer, left: &Leftover, twins: &Twi
     let explains = explained(outcome.nominal.sse, outcome.fit.sse, outcome.fit.residual_count());
     // A value that stands where the search ends belongs to something else that pushes it there.
     let pushed = active.iter().any(Active::at_bound);
-    let held_out_rms = fit.heldout_after_rms;
     let windows_left = twins.noise_floor_rms.is_none_or(|floor| held_out_rms > LEFT * floor);
     // The bumps filter the motion of a load, and blur its impacts: there the windows are the witness.
     let rough = if memory { windows_left } else { explains < WHOLE };

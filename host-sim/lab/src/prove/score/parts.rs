@@ -82,7 +82,8 @@ impl Reliability {
 impl ExperimentScore {
     pub(super) fn of(outcomes: &[Outcome]) -> Self {
         let poor: Vec<&Outcome> = outcomes.iter().filter(|outcome| outcome.arm() == Arm::Poor).collect();
-        let after = |holds: fn(&After) -> bool| Count::over(&poor, |outcome| outcome.after.as_ref().is_some_and(holds));
+        let asked: Vec<&After> = poor.iter().filter_map(|outcome| outcome.after.as_ref()).collect();
+        let after = |holds: fn(&After) -> bool| Count::over(&asked, |after| holds(after));
         Self {
             proposed: Count::over(&poor, |outcome| outcome.after.is_some()),
             before: Count::over(&poor, |outcome| outcome.exact && outcome.verdict == Verdict::Named),
