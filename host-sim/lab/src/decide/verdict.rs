@@ -14,10 +14,10 @@ const EXPLAINS: f64 = 0.85;
 const FAR: f64 = 3.0;
 /// is only the roughness of a real machine if it is this small a share of what there was.
 const WHOLE: f64 = 0.98;
-/// The windows of a true model come down to their floor; this many times the floor is something else.
+/// The windows of a true model come down to their floor; this many times the floor is something else on a rough machine,
 const OVER_FLOOR: f64 = 3.0;
-/// The same for a model with a memory, which has more values to come down with.
-const OVER_FLOOR_WITH_MEMORY: f64 = 1.5;
+/// and this many times where the torque balance leaves no roughness, or the model has a memory to come down with.
+const OVER_SMOOTH_FLOOR: f64 = 1.45;
 /// Above this many times the floor something is left: the roughness of a real machine, or what a substitute misses.
 const LEFT: f64 = 1.25;
 /// It is roughness where the residual of the torque balance is more than this many times its noise, in mean squares, too;
@@ -62,12 +62,14 @@ fn is_unknown(searched: &Searched, answer: &Answer, left: &Leftover, twins: &Twi
     let active = &outcome.fit.active;
     let memory = searched.problem.machine(active).remembers();
     let held_out_rms = fit.heldout_after_rms;
-    let (rms, over) = if memory { (held_out_rms, OVER_FLOOR_WITH_MEMORY) } else { (fit.after_rms, OVER_FLOOR) };
+    let smooth = memory || left.excess < ROUGH && !active.is_empty();
+    let (rms, over) = if smooth { (held_out_rms, OVER_SMOOTH_FLOOR) } else { (fit.after_rms, OVER_FLOOR) };
     // Standstill tells nothing in the weak form, and may tell all in the windows.
     let above_floor = twins.noise_floor_rms.is_some_and(|floor| rms > over * floor);
     // A twin that scatters far more than the recording was given as noise what is none; of a machine with a memory it may
     // scatter because its windows start from a state that is known less well.
-    let swallowed = !memory && twins.noise_floor_rms.is_some_and(|floor| floor > SWALLOWED * fit.after_rms);
+    let swallowed =
+        !memory && twins.noise_floor_rms.is_some_and(|floor| floor > SWALLOWED * fit.after_rms.min(held_out_rms));
     if active.is_empty() {
         // Far above the noise is something, even where no channel of state predicts it.
         return above_floor || swallowed || left.excess > 2.5 || left.gain >= MIN_GAIN && left.excess > 1.5;
