@@ -5,11 +5,11 @@ use rayon::prelude::*;
 use super::simulated::Shown;
 use super::{Refined, Request};
 use crate::Error;
-use crate::effects::{Effect, Physics};
+use crate::effects::Physics;
 use crate::progress::{Progress, Stages};
 use crate::read::{AxisKind, Recording};
 use crate::refit::{HORIZON_S, Windows};
-use crate::screen::{Active, Motion, Outcome, Problem, Refitter, Search, effort_filter_s, worse};
+use crate::screen::{Active, Motion, Outcome, Problem, Refitter, Search, effort_filter_s};
 
 /// What was searched, and how it ended.
 #[derive(Debug)]
@@ -114,24 +114,8 @@ fn again(request: &Request<'_>, first: Searched, nominal: &Physics, stages: &mut
     let problem = Problem::new(motions.collect(), request.recordings.len(), nominal.clone());
     stages.done("prepare");
     let outcome = run(request, &problem, active);
-    let outcome = with_a_shaft(request, &problem, &outcome).unwrap_or(outcome);
     stages.done("search");
     Searched { problem, outcome, ..first }
-}
-
-/// The outcome of a search with a flexible shaft in the place of a gap, where that predicts as well: a gap is a shaft with one
-/// number more, which takes up what its wrong companions leave.
-fn with_a_shaft(request: &Request<'_>, problem: &Problem, outcome: &Outcome) -> Option<Outcome> {
-    let gap = outcome.fit.active.iter().any(|entry| entry.effect.id == "backlash");
-    let rest: Vec<&'static Effect> =
-        request.vocabulary.iter().copied().filter(|effect| effect.id != "backlash").collect();
-    if !gap || !rest.iter().any(|effect| effect.id == "compliance") {
-        return None;
-    }
-    let linear = request.machine.axis.kind == AxisKind::Linear;
-    let shaft = Search::new(problem, &rest, linear).run(&[]);
-    let fit = Refitter::new(problem, outcome).fit(&shaft.fit.active);
-    (!worse(&fit, &outcome.fit)).then_some(shaft)
 }
 
 /// What acted, from what was measured behind a first-order filter: u + tau du/dt.

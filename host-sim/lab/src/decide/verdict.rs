@@ -33,15 +33,15 @@ const ASTRAY: f64 = 1.1;
 /// An effect that lowers the held-out error by less does not make the whole answer uncertain where it has equivalents.
 const MINOR: f64 = 0.1;
 
-/// The verdict where the controller is right or not known.
+/// The verdict where the controller is right or not known; `reasons` speak against any name.
 pub(super) fn verdict(
     searched: &Searched,
     answer: &Answer,
     left: &Leftover,
     twins: &Twins,
-    coincidences: &[String],
+    reasons: &[String],
 ) -> Verdict {
-    if !coincidences.is_empty() || is_unknown(searched, answer, left, twins) {
+    if !reasons.is_empty() || is_unknown(searched, answer, left, twins) {
         return Verdict::Unknown;
     }
     let uncertain = |effect: &EffectAnswer| {
@@ -75,8 +75,6 @@ fn is_unknown(searched: &Searched, answer: &Answer, left: &Leftover, twins: &Twi
         return above_floor || swallowed || left.excess > 2.5 || left.gain >= MIN_GAIN && left.excess > 1.5;
     }
     let explains = explained(outcome.nominal.sse, outcome.fit.sse, outcome.fit.residual_count());
-    // A value that stands where the search ends belongs to something else that pushes it there.
-    let pushed = active.iter().any(Active::at_bound);
     let windows_left = twins.noise_floor_rms.is_none_or(|floor| held_out_rms > LEFT * floor);
     // The bumps filter the motion of a load, and blur its impacts: there the windows are the witness.
     let rough = if memory { windows_left } else { explains < WHOLE };
@@ -86,7 +84,7 @@ fn is_unknown(searched: &Searched, answer: &Answer, left: &Leftover, twins: &Twi
     let substitute = predictable || left.excess < ROUGH && comparable(&answer.effects, fit, twins);
     // What predicts the torque balance and drives the simulation off is not how the machine moves.
     let astray = fit.after_rms > ASTRAY * fit.before_rms;
-    poor || pushed || astray || substitute && !memory || above_floor || swallowed
+    poor || astray || substitute && !memory || above_floor || swallowed
 }
 
 /// Whether what the windows have above their floor is as much as the weakest effect explains in them.
@@ -96,6 +94,16 @@ fn comparable(effects: &[EffectAnswer], fit: &FitAnswer, twins: &Twins) -> bool 
     // Without it the error would be larger by one over what is left of it.
     let explained = fit.after_rms * ((1.0 - weakest.clamp(0.0, 0.999_999)).powi(-2) - 1.0).sqrt();
     (fit.after_rms.powi(2) - floor * floor).sqrt() > COMPARABLE * explained
+}
+
+/// In words, which effects have a value that stands where the search ends, in the torque balance or as simulation leaves it:
+/// it belongs to something else that pushes it there.
+pub(super) fn at_bound(found: &[Active], refined: &[Active]) -> Vec<String> {
+    let mut ids: Vec<&str> =
+        found.iter().chain(refined).filter(|entry| entry.at_bound()).map(|entry| entry.effect.id).collect();
+    ids.sort_unstable();
+    ids.dedup();
+    ids.into_iter().map(|id| format!("{id}: a value stands at the bound of what was searched")).collect()
 }
 
 /// What the user should know before believing the answer.
@@ -113,9 +121,6 @@ pub(super) fn warnings(searched: &Searched, left: &Leftover, verdict: Verdict) -
             left.excess.sqrt(),
             if left.channel.is_empty() { "no channel of state" } else { &left.channel }
         ));
-    }
-    for entry in searched.outcome.fit.active.iter().filter(|entry| entry.at_bound()) {
-        warnings.push(format!("{}: a value stands at the bound of what was searched", entry.effect.id));
     }
     let repaired: usize = searched.problem.motions.iter().map(|m| m.glitches.len()).sum();
     if repaired > 0 {

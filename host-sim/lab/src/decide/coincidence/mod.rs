@@ -8,11 +8,15 @@
 mod shape;
 
 use crate::effects::{Effect, Physics};
+use crate::read::AxisKind;
 use crate::report::{EffectAnswer, Interval};
 use crate::screen::Problem;
 
 /// Two values agree where they are no further apart than this many times their common interval.
 const AGREES: f64 = 2.0;
+
+/// A resolver errs by this much, 10 arcmin, rad: over less than half a turn an error of order one scales the speed by as much.
+const SENSOR_ERROR_RAD: f64 = 0.003;
 
 /// A value with the half-width of its interval.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -50,7 +54,7 @@ pub(super) fn coincidences(
     problem: &Problem,
     effects: &[EffectAnswer],
     improved: &Physics,
-    vocabulary: &[&'static Effect],
+    (vocabulary, axis): (&[&'static Effect], AxisKind),
 ) -> Vec<String> {
     let nominal = &problem.nominal;
     let barred = |id: &str| !vocabulary.iter().any(|effect| effect.id == id);
@@ -63,8 +67,31 @@ pub(super) fn coincidences(
     let mut found: Vec<String> =
         delays.into_iter().filter(|(one, _)| barred(one)).filter_map(|(_, words)| words).collect();
     found.extend(one_scale(nominal, effects, &barred));
+    if barred("compliance") && may_be_no_gap(effects) {
+        found.push("backlash: the gap may be none, and without one it is a shaft".to_owned());
+    }
+    found.extend(scaled_by_the_sensor(problem, effects).filter(|_| axis == AxisKind::Rotary));
     found.extend(shape::coincidences(problem, effects, improved, &barred));
     found
+}
+
+/// Whether there is a backlash whose gap may be zero.
+pub(super) fn may_be_no_gap(effects: &[EffectAnswer]) -> bool {
+    let gap = effects.iter().find(|effect| effect.id == "backlash").and_then(|effect| effect.parameters.first());
+    gap.is_some_and(|gap| gap.low <= 0.0)
+}
+
+/// An inertia as little off as a sensor scales the acceleration.
+fn scaled_by_the_sensor(problem: &Problem, effects: &[EffectAnswer]) -> Option<String> {
+    let inertia = first(effects, "inertia")?.over(problem.nominal.inertia);
+    let little = (inertia.value - 1.0).abs() < SENSOR_ERROR_RAD && problem.travel() < std::f64::consts::PI;
+    little.then(|| {
+        format!(
+            "inertia: {:+.2} % is what a position sensor that errs by {:.1} mrad over the turn shows on this travel",
+            100.0 * (inertia.value - 1.0),
+            1e3 * (inertia.value - 1.0).abs()
+        )
+    })
 }
 
 /// The first value of an effect of an answer.
@@ -171,6 +198,10 @@ mod tests {
         VOCABULARY.iter().copied().filter(|effect| effect.id != barred).collect()
     }
 
+    fn found(effects: &[EffectAnswer], vocabulary: &[&'static Effect]) -> Vec<String> {
+        coincidences(&problem(), effects, &nominal(), (vocabulary, AxisKind::Rotary))
+    }
+
     #[test]
     fn one_cause_in_two_effects_is_told_where_it_may_not_be_named() {
         // Of the nominal machine: torque delay 5 ms, dead time 2 ms.
@@ -181,11 +212,27 @@ mod tests {
             ("field_lag", vec![effect("field_lag_asymmetry", &[0.005, 0.005])]),
         ];
         for (one, effects) in cases {
-            assert_eq!(coincidences(&problem(), &effects, &nominal(), &without(one)).len(), 1, "{one}");
-            assert_eq!(coincidences(&problem(), &effects, &nominal(), &VOCABULARY), Vec::<String>::new(), "{one}");
+            assert_eq!(found(&effects, &without(one)).len(), 1, "{one}");
+            assert_eq!(found(&effects, &VOCABULARY), Vec::<String>::new(), "{one}");
         }
         let two = [effect("torque_delay", &[0.006]), effect("field_dead_time", &[0.0035])];
-        assert!(coincidences(&problem(), &two, &nominal(), &without("sensor_latency")).is_empty());
+        assert!(found(&two, &without("sensor_latency")).is_empty());
+    }
+
+    #[test]
+    fn a_gap_that_may_be_none_is_a_shaft_where_that_may_not_be_named() {
+        let mut gap = effect("backlash", &[0.001, 50.0, 0.1, 0.3]);
+        assert!(found(&[gap.clone()], &without("compliance")).is_empty());
+        gap.parameters[0].low = 0.0;
+        assert_eq!(found(&[gap.clone()], &without("compliance")).len(), 1);
+        assert!(found(&[gap], &VOCABULARY).is_empty());
+    }
+
+    #[test]
+    fn an_inertia_that_is_hardly_off_may_be_the_sensor() {
+        let off = |share: f64| [effect("inertia", &[(1.0 + share) * nominal().inertia])];
+        assert_eq!(found(&off(0.002), &VOCABULARY).len(), 1);
+        assert!(found(&off(0.01), &VOCABULARY).is_empty());
     }
 
     #[test]
@@ -198,8 +245,8 @@ mod tests {
                 effect("er_strength", &[factor]),
             ]
         };
-        let found = coincidences(&problem(), &scaled(1.1), &nominal(), &without("torque_gain"));
-        assert!(found.len() == 1 && found[0].contains("1.1000 times"), "{found:?}");
-        assert!(coincidences(&problem(), &scaled(1.2), &nominal(), &without("torque_gain")).is_empty());
+        let one = found(&scaled(1.1), &without("torque_gain"));
+        assert!(one.len() == 1 && one[0].contains("1.1000 times"), "{one:?}");
+        assert!(found(&scaled(1.2), &without("torque_gain")).is_empty());
     }
 }
