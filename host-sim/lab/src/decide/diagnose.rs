@@ -62,11 +62,14 @@ pub fn diagnose(request: &Request<'_>) -> Result<Diagnosis, Error> {
     with_a_shaft(request, &first).unwrap_or(Ok(first))
 }
 
-/// The diagnosis with a flexible shaft in the place of a gap that may be none, where that predicts as well: such a gap is a
-/// shaft with one number more, which takes up what its wrong companions leave.
+/// The diagnosis with a flexible shaft in the place of a gap that may be none or is not told from a shaft, where that predicts
+/// as well: such a gap is a shaft with one number more, which takes up what its wrong companions leave.
 fn with_a_shaft(request: &Request<'_>, first: &Diagnosis) -> Option<Result<Diagnosis, Error>> {
     let shaft = |effect: &&'static Effect| effect.id == "compliance";
-    if !may_be_no_gap(&first.answer.effects) || !request.vocabulary.iter().any(shaft) {
+    let effects = &first.answer.effects;
+    let like_a_shaft =
+        effects.iter().any(|effect| effect.id == "backlash" && effect.equivalent.iter().any(|id| id == "compliance"));
+    if !(like_a_shaft || may_be_no_gap(effects)) || !request.vocabulary.iter().any(shaft) {
         return None;
     }
     let vocabulary: Vec<&'static Effect> =

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::candidates::{excitation, spans, stands_out};
 use super::fit::{Fit, Fitter};
-use super::judge::{MAX_P, MIN_GAIN, MIN_T, Trial, fall_t, p_value, worse};
+use super::judge::{MIN_GAIN, MIN_T, Trial, fall_t, p_value, worse};
 use super::noise::weights;
 use super::problem::{Active, Problem};
 use crate::effects::{Effect, Excitation};
@@ -220,7 +220,7 @@ impl<'a> Search<'a> {
 
     /// Two effects at once, where neither is accepted alone: what one mends in one direction it may spoil in the other.
     fn couple(&mut self, base: &Fit, trials: &[Trial]) -> Option<Trial> {
-        let strong = |trial: &&Trial| trial.gain >= HALF && trial.p_value < MAX_P && !trial.at_bound();
+        let strong = |trial: &&Trial| trial.gain >= HALF && !trial.at_bound();
         let halves = trials.iter().filter(strong).filter(|trial| !trial.effect.is_event()).take(COUPLED);
         let pairs: Vec<Trial> = halves.flat_map(|half| self.round(&half.fit)).collect();
         let everywhere = |trial: &Trial| fall_t(&base.heldout, &trial.fit.heldout) >= MIN_T;
