@@ -189,13 +189,8 @@ fn judge(
     locate(searched, axis, answer);
     stages.done("locate");
     if answer.verdict == Verdict::Ambiguous {
-        *proposal = for_ambiguous(
-            request.machine,
-            request.recordings,
-            (problem, &searched.outcome),
-            &answer.effects,
-            answer.fit.noise_floor_rms,
-        );
+        let (found, floor_rms) = ((problem, &searched.outcome), answer.fit.noise_floor_rms);
+        *proposal = for_ambiguous(request.machine, request.recordings, found, &answer.effects, floor_rms);
         answer.experiment = proposal.as_ref().map(Proposal::experiment);
         stages.done("propose");
     }

@@ -127,8 +127,7 @@ fn follow(
     // The recorded position is late and errs with the angle, and so does where the motion is at a row.
     let wanted = |row: usize| {
         let (shown, speed) = (path.position[row], path.speed[row]);
-        let error = model.sensor.distorted(shown) - shown;
-        State::new(shown - error + latency_s * speed, speed)
+        State::new(2.0 * shown - model.sensor.distorted(shown) + latency_s * speed, speed)
     };
     let first = wanted(0);
     let mut plant = Plant::new(model, first, t_s[0])?;
