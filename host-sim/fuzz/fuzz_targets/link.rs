@@ -2,6 +2,7 @@
 //! whatever is asked for, the law keeps its limits and parameters it accepts.
 #![no_main]
 
+// The tests of `lab` use what is left of each.
 #[path = "../../lab/tests/device/drive.rs"]
 #[allow(dead_code)]
 mod drive;

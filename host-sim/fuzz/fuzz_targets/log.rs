@@ -3,6 +3,7 @@
 #![no_main]
 
 #[path = "../../lab/tests/device/log.rs"]
+// The tests of `lab` use the rest of it.
 #[allow(dead_code)]
 mod log;
 

@@ -10,7 +10,7 @@ use super::prepare::Searched;
 use super::{Refined, Request};
 use crate::effects::Effect;
 use crate::refit::TimeFit;
-use crate::screen::{Active, MAX_P, MIN_T, Refitter, t_of_mean};
+use crate::screen::{Active, MAX_P, MIN_T, Refitter, paired_t};
 
 /// An effect whose part in the prediction is larger is no error of the weak form.
 const PLAIN: f64 = 0.3;
@@ -117,9 +117,5 @@ pub(super) fn needs(without: &TimeFit, with: &TimeFit, effect: &Effect) -> bool 
 
 /// Whether a fit in the time domain is missed in a smaller one: over all, and over blocks that were left out.
 pub(super) fn missed(without: &TimeFit, with: &TimeFit) -> bool {
-    let pairs = without.heldout.iter().zip(&with.heldout).filter(|(a, b)| **a > 0.0 || **b > 0.0);
-    let changes: Vec<f64> = pairs.clone().map(|(a, b)| a - b).collect();
-    // In shares of each block's own too: an effect that shows in a few strong blocks is as certain.
-    let relative: Vec<f64> = pairs.map(|(a, b)| (a - b) / (a + b)).collect();
-    improvement(without, with) < MAX_P && t_of_mean(&changes).max(t_of_mean(&relative)) >= MIN_T
+    improvement(without, with) < MAX_P && paired_t(&without.heldout, &with.heldout) >= MIN_T
 }

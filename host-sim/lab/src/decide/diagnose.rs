@@ -59,29 +59,27 @@ pub struct Diagnosis {
 /// Recordings too short to say anything.
 pub fn diagnose(request: &Request<'_>) -> Result<Diagnosis, Error> {
     let first = once(request)?;
-    with_a_shaft(request, &first).unwrap_or(Ok(first))
+    Ok(with_a_shaft(request, &first)?.unwrap_or(first))
 }
 
 /// The diagnosis with a flexible shaft in the place of a gap that may be none or is not told from a shaft, where that predicts
 /// as well: such a gap is a shaft with one number more, which takes up what its wrong companions leave.
-fn with_a_shaft(request: &Request<'_>, first: &Diagnosis) -> Option<Result<Diagnosis, Error>> {
+fn with_a_shaft(request: &Request<'_>, first: &Diagnosis) -> Result<Option<Diagnosis>, Error> {
     let shaft = |effect: &&'static Effect| effect.id == "compliance";
     let effects = &first.answer.effects;
     let like_a_shaft =
         effects.iter().any(|effect| effect.id == "backlash" && effect.equivalent.iter().any(|id| id == "compliance"));
     if !(like_a_shaft || may_be_no_gap(effects)) || !request.vocabulary.iter().any(shaft) {
-        return None;
+        return Ok(None);
     }
     let vocabulary: Vec<&'static Effect> =
         request.vocabulary.iter().copied().filter(|effect| effect.id != "backlash").collect();
-    let second = match once(&Request { vocabulary: &vocabulary, ..*request }) {
-        Ok(second) => second,
-        Err(error) => return Some(Err(error)),
-    };
+    let second = once(&Request { vocabulary: &vocabulary, ..*request })?;
     let named = second.answer.effects.iter().any(|effect| effect.id == "compliance");
-    (named && second.answer.fit.heldout_after_rms <= first.answer.fit.heldout_after_rms).then_some(Ok(second))
+    Ok((named && second.answer.fit.heldout_after_rms <= first.answer.fit.heldout_after_rms).then_some(second))
 }
 
+/// One diagnosis under one vocabulary.
 fn once(request: &Request<'_>) -> Result<Diagnosis, Error> {
     let files: Vec<&Recording> = request.recordings.iter().chain(request.holdout).collect();
     let names: Vec<&str> = files.iter().map(|recording| recording.name.as_str()).collect();

@@ -51,12 +51,25 @@ pub fn worse(fit: &Fit, best: &Fit) -> bool {
     fall_t(&fit.heldout, &best.heldout) > WORSE_T && fit.heldout_sse() - best.heldout_sse() > 0.01 * best.heldout_sse()
 }
 
-/// t of the fall of the held-out squares of the blocks from one fit to another, in squares or in shares of each block's own,
-/// whichever is larger.
+/// t of the fall of the held-out squares of the blocks from one fit to another, over all blocks or, in shares of each block's
+/// own, over those that are touched at all: an effect that shows in a few strong blocks, as one of standstill does, is as
+/// certain as one that shows a little in all.
 pub(crate) fn fall_t(from: &[f64], to: &[f64]) -> f64 {
+    let touched: Vec<f64> = shares(from, to).filter(|change| change.abs() > TOUCHED).collect();
+    let all = paired_t(from, to);
+    if touched.len() < FEW { all } else { all.max(t_of_mean(&touched)) }
+}
+
+/// t of the fall over all blocks, in squares or in shares of each block's own, whichever is larger.
+pub(crate) fn paired_t(from: &[f64], to: &[f64]) -> f64 {
     let pairs = from.iter().zip(to).filter(|(a, b)| **a > 0.0 || **b > 0.0);
     let changes: Vec<f64> = pairs.map(|(a, b)| a - b).collect();
-    t_of_mean(&changes).max(relative_t(from, to))
+    t_of_mean(&changes).max(t_of_mean(&shares(from, to).collect::<Vec<f64>>()))
+}
+
+/// Fall of each block relative to its size.
+fn shares(from: &[f64], to: &[f64]) -> impl Iterator<Item = f64> {
+    from.iter().zip(to).filter(|(a, b)| *a + *b > 0.0).map(|(a, b)| (a - b) / (a + b))
 }
 
 /// t of the mean of changes.
@@ -74,16 +87,6 @@ pub(crate) fn t_of_mean(changes: &[f64]) -> f64 {
 const TOUCHED: f64 = 0.1;
 /// So many blocks must be touched for their own mean to count.
 const FEW: usize = 4;
-
-/// t of the fall of squares over blocks, with each block's change relative to its size, over all blocks or over those that are touched at all: an effect
-/// that shows in a few strong blocks, as one of standstill does, is as certain as one that shows a little in all.
-fn relative_t(from: &[f64], to: &[f64]) -> f64 {
-    let relative = |(a, b): (&f64, &f64)| (a + b > 0.0).then(|| (a - b) / (a + b));
-    let changes: Vec<f64> = from.iter().zip(to).filter_map(relative).collect();
-    let touched: Vec<f64> = changes.iter().copied().filter(|change| change.abs() > TOUCHED).collect();
-    let all = t_of_mean(&changes);
-    if touched.len() < FEW { all } else { all.max(t_of_mean(&touched)) }
-}
 
 /// F-test of an improvement, its freedom reduced by the correlation of neighbouring residuals (Newey-West, Bartlett).
 pub(super) fn p_value(problem: &Problem, base: &Fit, fit: &Fit) -> f64 {

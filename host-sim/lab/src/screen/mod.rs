@@ -25,7 +25,7 @@ pub use fit::Fit;
 pub(crate) use fit::{bounded_step, moved, places, solve_near};
 pub(crate) use instrument::effort_filter_s;
 pub use judge::{MAX_P, MIN_GAIN, Trial, worse};
-pub(crate) use judge::{MIN_T, WORSE_T, f_test, fall_t, t_of_mean};
+pub(crate) use judge::{MIN_T, WORSE_T, f_test, fall_t, paired_t, t_of_mean};
 pub use motion::Motion;
 pub use problem::{Active, Problem};
 pub use refitter::Refitter;

@@ -27,20 +27,16 @@ pub(super) fn coincidences(
     found.into_iter().flatten().collect()
 }
 
+fn added_cogging(nominal: &Physics, improved: &Physics) -> impl Iterator<Item = Harmonic> {
+    improved.cogging.iter().filter(|wave| !nominal.cogging.contains(wave)).copied()
+}
+
 /// Added torques over position of which little is left in the sum: a shape that none of them has.
 fn cancelling(problem: &Problem, nominal: &Physics, improved: &Physics) -> Option<String> {
-    let change = |of: fn(&Physics) -> Option<Harmonic>| -> Vec<(f64, Harmonic)> {
-        let (old, new) = (of(nominal), of(improved));
-        let signed = [(1.0, new), (-1.0, old)];
-        if old == new {
-            Vec::new()
-        } else {
-            signed.into_iter().filter_map(|(sign, wave)| Some((sign, wave?))).collect()
-        }
-    };
-    let gravity = change(|physics| physics.gravity);
-    let added = |wave: &&Harmonic| !nominal.cogging.contains(wave);
-    let waves: Vec<Harmonic> = improved.cogging.iter().filter(added).copied().collect();
+    let changed = improved.gravity != nominal.gravity;
+    let signed = [(1.0, improved.gravity), (-1.0, nominal.gravity)].into_iter().filter(|_| changed);
+    let gravity: Vec<(f64, Harmonic)> = signed.filter_map(|(sign, wave)| Some((sign, wave?))).collect();
+    let waves: Vec<Harmonic> = added_cogging(nominal, improved).collect();
     let spring = improved.spring - nominal.spring;
     let offset = improved.torque_offset - nominal.torque_offset;
     let (mut sizes, mut sum, mut rows) = (vec![0.0; 3 + waves.len()], 0.0, 0.0_f64);
@@ -67,8 +63,7 @@ fn cancelling(problem: &Problem, nominal: &Physics, improved: &Physics) -> Optio
 /// so are a spring and a wave that is not passed once. A spring and a weight are the common exception.
 fn closer_than_resolved(problem: &Problem, nominal: &Physics, improved: &Physics) -> Option<String> {
     let travel = problem.travel();
-    let waves = improved.cogging.iter().filter(|wave| !nominal.cogging.contains(wave)).map(|wave| wave.order);
-    let mut cogging: Vec<f64> = waves.collect();
+    let mut cogging: Vec<f64> = added_cogging(nominal, improved).map(|wave| wave.order).collect();
     cogging.sort_by(f64::total_cmp);
     let spring = (improved.spring != nominal.spring).then_some(0.0);
     let gravity = improved.gravity.filter(|_| improved.gravity != nominal.gravity).map(|wave| wave.order);

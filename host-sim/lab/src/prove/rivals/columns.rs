@@ -52,15 +52,15 @@ impl Table {
         let lost: usize = recording.seq.as_ref().map_or(0, |seq| (seq[rows - 1] - seq[0]) as usize + 1 - rows);
         let signals = Signals::new(machine, recording, kernels, span_s / (rows - 1 + lost) as f64);
         let near_gap = |at: usize| recording.gaps.iter().any(|gap| gap.abs_diff(at) <= 2 * HALF);
-        let motion = |at: usize| signals.kernels.at(signals.position, at, signals.period_s);
-        let speeds: Vec<f64> = (HALF..rows - HALF).map(|at| motion(at)[1]).collect();
+        let motion: Vec<[f64; 3]> =
+            (HALF..rows - HALF).map(|at| signals.kernels.at(signals.position, at, signals.period_s)).collect();
         // Friction turns within a stretch that the speed crosses zero in: neither direction is true of it.
         let one_way = |at: usize| {
-            let stretch = &speeds[at - 2 * HALF..=at];
-            stretch.iter().all(|w| *w > MOVING) || stretch.iter().all(|w| *w < -MOVING)
+            let stretch = &motion[at - 2 * HALF..=at];
+            stretch.iter().all(|[_, w, _]| *w > MOVING) || stretch.iter().all(|[_, w, _]| *w < -MOVING)
         };
         for at in (2 * HALF..rows - 2 * HALF).step_by(STRIDE).filter(|&at| !near_gap(at) && one_way(at)) {
-            let [_, speed, acceleration] = motion(at);
+            let [_, speed, acceleration] = motion[at - HALF];
             self.push(machine, &signals, at, recording.t_s[at], speed, acceleration);
         }
     }

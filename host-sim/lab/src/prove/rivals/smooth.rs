@@ -33,16 +33,19 @@ impl Kernels {
 
     /// Value, slope and curvature of the signal around sample `at`, for samples `period` apart.
     pub(super) fn at(&self, signal: &[f64], at: usize, period: f64) -> [f64; 3] {
-        let stretch = &signal[at - HALF..=at + HALF];
-        let dot = |kernel: &[f64]| kernel.iter().zip(stretch).map(|(weight, value)| weight * value).sum::<f64>();
-        [dot(&self.motion[0]), dot(&self.motion[1]) / period, dot(&self.motion[2]) / (period * period)]
+        let [value, slope, curvature] = self.motion.each_ref().map(|kernel| weighed(kernel, signal, at));
+        [value, slope / period, curvature / (period * period)]
     }
 
     /// A torque around sample `at` as the curvature of the position shows it: with the pass band of a value a torque would
     /// differ from the acceleration it causes, and every recording would read as one of a wrong gain.
     pub(super) fn torque(&self, signal: &[f64], at: usize) -> f64 {
-        self.torque.iter().zip(&signal[at - HALF..=at + HALF]).map(|(weight, value)| weight * value).sum()
+        weighed(&self.torque, signal, at)
     }
+}
+
+fn weighed(kernel: &[f64], signal: &[f64], at: usize) -> f64 {
+    kernel.iter().zip(&signal[at - HALF..=at + HALF]).map(|(weight, value)| weight * value).sum()
 }
 
 /// The kernel that gives from a second difference what `kernel` gives from the signal itself.
