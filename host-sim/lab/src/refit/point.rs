@@ -1,10 +1,11 @@
 //! Values of the effects with the start states that suit them, and what they leave of the recordings.
 
-use nalgebra::{DMatrix, DVector, Matrix2, Vector2};
+use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use super::track::{Machine, Span, Tracks, knows_where};
 use super::windows::HORIZON_S;
+use crate::residual::Unknowns;
 use crate::screen::{Active, Problem, moved, places};
 
 /// Squares of a window beyond this many times its freedom count by their root: an event that the noise shifted is no
@@ -25,11 +26,12 @@ pub(super) fn robust(squares: f64, freedom: f64) -> (f64, f64) {
 /// One window of a point.
 #[derive(Debug, Clone)]
 pub(super) struct Shot {
-    /// Position, rad (m), and speed, rad/s (m/s), at the first row.
-    pub start: [f64; 2],
+    /// Position, rad (m), and speed, rad/s (m/s), at the first row, and what the machine has inside.
+    pub start: DVector<f64>,
     /// Measured minus simulated, rad (m).
     pub residual: Vec<f64>,
-    /// Robust sum of squares of the white residual.
+    /// Robust sum of squares of the white residual; what further start states take of the noise is added again, so that
+    /// machines with and without them compare.
     pub loss: f64,
     /// Weight of its rows.
     pub weight: f64,
@@ -54,11 +56,11 @@ impl Point {
 #[derive(Debug, Clone)]
 pub(super) struct Slopes {
     /// Of the start state by itself, inverted.
-    own: Matrix2<f64>,
+    own: DMatrix<f64>,
     /// Start state by values.
     cross: DMatrix<f64>,
     /// Start state by residual.
-    pull: Vector2<f64>,
+    pull: DVector<f64>,
     /// Values by values with the start state eliminated, weighed.
     pub normal: DMatrix<f64>,
     /// Values by residual, likewise.
@@ -68,12 +70,12 @@ pub(super) struct Slopes {
 impl Slopes {
     /// As if nothing were known of how start states follow that many values.
     pub(super) fn without_values(self, count: usize) -> Self {
-        Self { cross: DMatrix::zeros(2, count), ..self }
+        Self { cross: DMatrix::zeros(self.pull.len(), count), ..self }
     }
 
     /// The change of the start state that suits a change of the values best.
-    fn start_step(&self, values: &DVector<f64>) -> Vector2<f64> {
-        -(self.own * (self.pull + &self.cross * values))
+    fn start_step(&self, values: &DVector<f64>) -> DVector<f64> {
+        -(&self.own * (&self.pull + &self.cross * values))
     }
 }
 
@@ -85,9 +87,9 @@ pub(super) struct Gauge<'a> {
 }
 
 impl Gauge<'_> {
-    fn shot(&self, span: &Span, machines: &[Machine], start: [f64; 2]) -> Result<Shot, plant::Error> {
+    fn shot(&self, span: &Span, machines: &[Machine], start: DVector<f64>) -> Result<Shot, plant::Error> {
         let mut residual = Vec::new();
-        self.tracks.residual(span, machines, start, &mut residual)?;
+        self.tracks.residual(span, machines, &start, &mut residual)?;
         Ok(judged(span, start, residual))
     }
 
@@ -95,8 +97,8 @@ impl Gauge<'_> {
     pub(super) fn first(&self, active: &[Active]) -> Result<Point, plant::Error> {
         let machines = self.tracks.machines(&self.problem.machine(active), None)?;
         let shots = self.tracks.spans.par_iter().map(|span| {
-            let moving = self.shot(span, &machines, span.guess)?;
-            let resting = self.shot(span, &machines, [span.guess[0], 0.0])?;
+            let moving = self.shot(span, &machines, machines[span.track].start(span, span.guess))?;
+            let resting = self.shot(span, &machines, machines[span.track].start(span, [span.guess[0], 0.0]))?;
             Ok(if resting.loss < moving.loss { resting } else { moving })
         });
         let shots = shots.collect::<Result<_, plant::Error>>()?;
@@ -128,7 +130,7 @@ impl Gauge<'_> {
         pairs
             .map(|(span, shot)| {
                 let columns = self.columns(span, shot, &point.machines, (&neighbours, &steps), located)?;
-                Ok(products(span, shot, &columns))
+                Ok(products(span, &point.machines[span.track].unknowns, shot, &columns))
             })
             .collect()
     }
@@ -146,21 +148,25 @@ impl Gauge<'_> {
         let (t_s, measured) = (&track.t_s[span.start..span.end], &track.position[span.start..span.end]);
         let travel = measured.iter().fold(0.0_f64, |most, p| most.max((p - measured[0]).abs()));
         let span_s = t_s[t_s.len() - 1] - t_s[0];
-        let difference = |machines: &[Machine], start: [f64; 2], step: f64| {
+        let difference = |machines: &[Machine], start: &DVector<f64>, step: f64| {
             let mut column = Vec::new();
             self.tracks.residual(span, machines, start, &mut column)?;
             column.iter_mut().zip(&shot.residual).for_each(|(value, base)| *value = (*value - base) / step);
             Ok::<_, plant::Error>(column)
         };
-        let mut columns = Vec::with_capacity(2 + steps.len());
-        let [q, w] = shot.start;
-        let aside = 1e-3 * travel.max(1e-5);
-        columns.push(if located { difference(machines, [q + aside, w], aside)? } else { vec![-1.0; t_s.len()] });
-        // A thousandth of the speed, or of the mean speed where it starts slowly.
-        let faster = 1e-3 * w.abs().max(travel.max(1e-6) / span_s);
-        columns.push(difference(machines, [q, w + faster], faster)?);
+        let aside = machines[span.track].unknowns.steps(span_s, travel, shot.start[1]);
+        let mut columns = Vec::with_capacity(aside.len() + steps.len());
+        for (state, &step) in aside.iter().enumerate() {
+            if state == 0 && !located {
+                columns.push(vec![-1.0; t_s.len()]);
+                continue;
+            }
+            let mut moved = shot.start.clone();
+            moved[state] += step;
+            columns.push(difference(machines, &moved, step)?);
+        }
         for (neighbour, &step) in neighbours.iter().zip(steps) {
-            columns.push(difference(neighbour, shot.start, step)?);
+            columns.push(difference(neighbour, &shot.start, step)?);
         }
         columns.iter_mut().for_each(|column| span.whitener.apply(column));
         Ok(columns)
@@ -173,13 +179,12 @@ impl Gauge<'_> {
         let each = self.tracks.spans.par_iter().zip(&point.shots).zip(slopes);
         let shots = each.map(|((span, shot), slopes)| {
             let change = slopes.start_step(step);
-            let follows = self.shot(span, &machines, [shot.start[0] + change[0], shot.start[1] + change[1]])?;
+            let follows = self.shot(span, &machines, &shot.start + &change)?;
             if follows.loss <= shot.loss {
                 return Ok(follows);
             }
-            let stays = self.shot(span, &machines, shot.start)?;
-            let half =
-                self.shot(span, &machines, [shot.start[0] + 0.5 * change[0], shot.start[1] + 0.5 * change[1]])?;
+            let stays = self.shot(span, &machines, shot.start.clone())?;
+            let half = self.shot(span, &machines, &shot.start + 0.5 * change)?;
             let best = if stays.loss < half.loss { stays } else { half };
             Ok(if best.loss < follows.loss { best } else { follows })
         });
@@ -211,11 +216,11 @@ impl Gauge<'_> {
             if shot.loss < MUCH * span.freedom() {
                 return Ok(shot);
             }
-            for start in [span.guess, [span.guess[0], 0.0], [shot.start[0], span.guess[1]]] {
+            for start in point.machines[span.track].starts(span, shot.start[0]) {
                 let mut tried = self.shot(span, &point.machines, start)?;
                 for _ in 0..PASSES {
                     let columns = self.columns(span, &tried, &point.machines, (&[], &[]), true)?;
-                    let slopes = products(span, &tried, &columns);
+                    let slopes = products(span, &point.machines[span.track].unknowns, &tried, &columns);
                     let next = self.better_start(span, &point.machines, &tried, &slopes)?;
                     let gain = tried.loss - next.loss;
                     tried = next;
@@ -243,8 +248,7 @@ impl Gauge<'_> {
     ) -> Result<Shot, plant::Error> {
         let change = slopes.start_step(&DVector::zeros(slopes.cross.ncols()));
         for part in [1.0, 0.5, 0.125] {
-            let tried =
-                self.shot(span, machines, [shot.start[0] + part * change[0], shot.start[1] + part * change[1]])?;
+            let tried = self.shot(span, machines, &shot.start + part * &change)?;
             if tried.loss < shot.loss {
                 return Ok(tried);
             }
@@ -253,28 +257,29 @@ impl Gauge<'_> {
     }
 }
 
-fn judged(span: &Span, start: [f64; 2], residual: Vec<f64>) -> Shot {
+fn judged(span: &Span, start: DVector<f64>, residual: Vec<f64>) -> Shot {
     let mut white = residual.clone();
     span.whitener.apply(&mut white);
-    let (loss, weight) = robust(white.iter().map(|r| r * r).sum(), span.freedom());
+    let taken = start.len() as f64 - 2.0;
+    let (loss, weight) = robust(white.iter().map(|r| r * r).sum::<f64>() + taken, span.freedom());
     Shot { start, residual, loss, weight }
 }
 
 /// Products of a window's columns with each other and with the residual, the start state eliminated.
-fn products(span: &Span, shot: &Shot, columns: &[Vec<f64>]) -> Slopes {
+fn products(span: &Span, unknowns: &Unknowns, shot: &Shot, columns: &[Vec<f64>]) -> Slopes {
     let mut white = shot.residual.clone();
     span.whitener.apply(&mut white);
     let dot = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
-    let count = columns.len() - 2;
-    let mut own = Matrix2::from_fn(|r, c| dot(&columns[r], &columns[c]));
-    // Where the speed makes no difference, as the model sticks at once, it stays.
-    own[(1, 1)] += own[(0, 0)].max(1e-300) * (1e-6 * HORIZON_S).powi(2);
-    let own = own.try_inverse().unwrap_or_else(Matrix2::zeros);
-    let cross = DMatrix::from_fn(2, count, |r, c| dot(&columns[r], &columns[2 + c]));
-    let pull = Vector2::from_fn(|r, _| dot(&columns[r], &white));
-    let normal = DMatrix::from_fn(count, count, |r, c| dot(&columns[2 + r], &columns[2 + c]));
-    let gradient = DVector::from_fn(count, |r, _| dot(&columns[2 + r], &white));
-    let normal = (normal - cross.transpose() * own * &cross) * shot.weight;
-    let gradient = (gradient - cross.transpose() * (own * pull)) * shot.weight;
+    let states = shot.start.len();
+    let count = columns.len() - states;
+    let mut own = DMatrix::from_fn(states, states, |r, c| dot(&columns[r], &columns[c]));
+    own += DMatrix::from_diagonal(&DVector::from_vec(unknowns.stays(HORIZON_S, own[(0, 0)].max(1e-300))));
+    let own = own.try_inverse().unwrap_or_else(|| DMatrix::zeros(states, states));
+    let cross = DMatrix::from_fn(states, count, |r, c| dot(&columns[r], &columns[states + c]));
+    let pull = DVector::from_fn(states, |r, _| dot(&columns[r], &white));
+    let normal = DMatrix::from_fn(count, count, |r, c| dot(&columns[states + r], &columns[states + c]));
+    let gradient = DVector::from_fn(count, |r, _| dot(&columns[states + r], &white));
+    let normal = (normal - cross.transpose() * &own * &cross) * shot.weight;
+    let gradient = (gradient - cross.transpose() * (&own * &pull)) * shot.weight;
     Slopes { own, cross, pull, normal, gradient }
 }

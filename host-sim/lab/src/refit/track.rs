@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use nalgebra::DVector;
 use plant::{Command, Er, FluidResponse, Mechanics, Model, State, Timeline};
 use rayon::prelude::*;
 
@@ -11,7 +12,7 @@ use super::whiten::{Noise, Whitener};
 use super::windows::{HORIZON_S, SETTLE_S};
 use crate::effects::Physics;
 use crate::read::Recording;
-use crate::residual::{recorded_commands, spans};
+use crate::residual::{Unknowns, recorded_commands, spans};
 use crate::screen::{Motion, Problem};
 
 /// One recording.
@@ -40,7 +41,7 @@ pub(super) struct Span {
 }
 
 impl Span {
-    /// Rows less the two numbers of the start state.
+    /// Rows less the two numbers of the start state of a rigid rotor.
     pub(super) fn freedom(&self) -> f64 {
         (self.end - self.start) as f64 - 2.0
     }
@@ -52,8 +53,30 @@ pub(super) struct Machine {
     model: Model,
     mechanics: Mechanics,
     timeline: Arc<Timeline>,
-    /// State inside the machine at the start of each window of the track, by its first row.
+    pub unknowns: Unknowns,
+    /// About the state inside the machine at the start of each window of the track, by its first row.
     inside: Option<Vec<State>>,
+}
+
+impl Machine {
+    /// The start state of a window with a position and speed, and what is inside where the observer has it.
+    pub(super) fn start(&self, span: &Span, rotor: [f64; 2]) -> DVector<f64> {
+        self.unknowns.pack(rotor, &self.inside(span))
+    }
+
+    /// Start states from which a window may find a better one; `position` is that of the best so far. A load in a gap has no
+    /// slope to follow from one side to the other.
+    pub(super) fn starts(&self, span: &Span, position: f64) -> Vec<DVector<f64>> {
+        let moving = span.guess;
+        let rotors = [moving, [moving[0], 0.0], [position, moving[1]]];
+        let mut starts = rotors.map(|rotor| self.start(span, rotor)).to_vec();
+        starts.extend(self.unknowns.touching(moving, self.inside(span)));
+        starts
+    }
+
+    fn inside(&self, span: &Span) -> State {
+        self.inside.as_ref().map_or_else(State::default, |inside| inside[span.start])
+    }
 }
 
 /// All windows of all recordings.
@@ -120,7 +143,8 @@ impl Tracks {
                 }
                 states
             });
-            Ok(Machine { mechanics: Mechanics::new(&model)?, model, timeline, inside })
+            let unknowns = Unknowns::of(&model);
+            Ok(Machine { mechanics: Mechanics::new(&model)?, model, timeline, unknowns, inside })
         })
         .collect()
     }
@@ -130,13 +154,12 @@ impl Tracks {
         &self,
         span: &Span,
         machines: &[Machine],
-        start: [f64; 2],
+        start: &DVector<f64>,
         into: &mut Vec<f64>,
     ) -> Result<(), plant::Error> {
         let (track, machine) = (&self.tracks[span.track], &machines[span.track]);
         let t_s = &track.t_s[span.start..span.end];
-        let mut state = machine.inside.as_ref().map_or_else(State::default, |inside| inside[span.start]);
-        [state.position, state.velocity] = start;
+        let state = machine.unknowns.unpack(start);
         into.clear();
         into.resize(t_s.len(), 0.0);
         machine.mechanics.simulate(&machine.timeline, t_s[0], state, t_s, into)?;

@@ -10,6 +10,7 @@ mod orders;
 mod start_state;
 #[cfg(test)]
 pub(crate) mod testing;
+mod unknowns;
 mod window;
 
 pub use commands::recorded_commands;
@@ -18,5 +19,6 @@ pub use map::{Bin, Channel, Map};
 pub use noise::sensor_noise;
 pub use orders::{Order, Orders};
 pub(crate) use start_state::curvature;
+pub(crate) use unknowns::Unknowns;
 pub(crate) use window::spans;
 pub use window::{Residual, Window, residual, residual_from};

@@ -1,7 +1,9 @@
 //! The state a window starts from, estimated from the window itself.
 
-use nalgebra::{Matrix2, Vector2};
+use nalgebra::{DMatrix, DVector};
 use plant::{Error, Mechanics, State, Timeline};
+
+use super::Unknowns;
 
 /// Trials of a descent. A window whose start is well known takes three; one that comes to rest soon after its start, where
 /// the way changes with the square of the speed, up to ten.
@@ -19,7 +21,9 @@ pub(super) struct StartState<'a> {
     pub t_s: &'a [f64],
     /// Recorded positions, rad (m).
     pub measured: &'a [f64],
-    /// Bristles and load at the first row; its position and speed are not looked at.
+    /// What is sought.
+    pub unknowns: Unknowns,
+    /// First guess of what no sensor shows; its position and speed are not looked at.
     pub inside: State,
 }
 
@@ -27,43 +31,37 @@ impl StartState<'_> {
     /// The best state at the first row, and the positions the model has from it, rad (m).
     ///
     /// `speed_guess` comes from around the start. From there, from the mean motion and from rest: a model that sticks has no
-    /// slope to follow from one to the other.
+    /// slope to follow from one to the other. Nor has a load in its gap from one side to the other.
     pub(super) fn estimate(&self, speed_guess: f64) -> Result<(State, Vec<f64>), Error> {
         let (first, slope) = line(self.t_s, self.measured);
         let mean = self.measured.iter().sum::<f64>() / self.measured.len() as f64;
+        let near = [self.measured[0], speed_guess];
+        let mut guesses: Vec<DVector<f64>> =
+            [near, [first, slope], [mean, 0.0]].map(|rotor| self.unknowns.pack(rotor, &self.inside)).to_vec();
+        guesses.extend(self.unknowns.touching(near, self.inside));
         let mut best: Option<Descent> = None;
-        for guess in [(self.measured[0], speed_guess), (first, slope), (mean, 0.0)] {
-            let descent = self.descend(Vector2::new(guess.0, guess.1))?;
+        for guess in guesses {
+            let descent = self.descend(guess)?;
             if best.as_ref().is_none_or(|least| descent.cost < least.cost) {
                 best = Some(descent);
             }
         }
-        let best = best.map_or_else(|| self.at(Vector2::new(first, slope)), Ok)?;
-        Ok((self.start(best.at), best.simulated))
+        let best = best.map_or_else(|| self.at(self.unknowns.pack([first, slope], &self.inside)), Ok)?;
+        Ok((self.unknowns.unpack(&best.at), best.simulated))
     }
 
-    /// Levenberg-Marquardt over start position and speed.
-    fn descend(&self, guess: Vector2<f64>) -> Result<Descent, Error> {
-        let rows = self.t_s.len() as f64;
+    /// Levenberg-Marquardt over the unknowns.
+    fn descend(&self, guess: DVector<f64>) -> Result<Descent, Error> {
         let span_s = self.t_s[self.t_s.len() - 1] - self.t_s[0];
         let travel = self.measured.iter().fold(0.0_f64, |most, p| most.max((p - self.measured[0]).abs()));
+        let stays = DVector::from_vec(self.unknowns.stays(span_s, self.t_s.len() as f64));
         let mut best = self.at(guess)?;
         let mut damping = 1e-9;
         for _ in 0..TRIALS {
-            // A thousandth of the speed, or of the travel where the speed is low.
-            let step = 1e-3 * best.at[1].abs().max(travel.max(1e-6) / span_s);
-            let faster = self.at(Vector2::new(best.at[0], best.at[1] + step))?;
-            let (mut normal, mut right) = (Matrix2::zeros(), Vector2::zeros());
-            for ((m, s), f) in self.measured.iter().zip(&best.simulated).zip(&faster.simulated) {
-                let row = Vector2::new(1.0, (f - s) / step);
-                normal += row * row.transpose();
-                right += row * (m - s);
-            }
-            // Where the speed makes no difference, as the model sticks at once, it stays.
-            let floor = rows * (1e-6 * span_s).powi(2);
-            let damped = normal + Matrix2::from_diagonal(&(normal.diagonal() * damping + Vector2::new(0.0, floor)));
+            let (normal, right) = self.products(&best, &self.unknowns.steps(span_s, travel, best.at[1]))?;
+            let damped = &normal + DMatrix::from_diagonal(&(normal.diagonal() * damping + &stays));
             let Some(inverse) = damped.try_inverse() else { break };
-            let tried = self.at(best.at + inverse * right)?;
+            let tried = self.at(&best.at + inverse * right)?;
             if tried.cost < best.cost {
                 let gain = 1.0 - tried.cost / best.cost;
                 best = tried;
@@ -80,23 +78,33 @@ impl StartState<'_> {
         Ok(best)
     }
 
-    fn at(&self, at: Vector2<f64>) -> Result<Descent, Error> {
-        let mut simulated = vec![0.0; self.t_s.len()];
-        self.mechanics.simulate(self.timeline, self.t_s[0], self.start(at), self.t_s, &mut simulated)?;
-        let cost = self.measured.iter().zip(&simulated).map(|(m, s)| (m - s) * (m - s)).sum();
-        Ok(Descent { at, cost, simulated })
+    /// Derivatives by derivatives, and derivatives by what is left; those by the position are taken as 1.
+    fn products(&self, at: &Descent, steps: &[f64]) -> Result<(DMatrix<f64>, DVector<f64>), Error> {
+        let mut columns = vec![vec![1.0; self.t_s.len()]];
+        for (place, step) in steps.iter().enumerate().skip(1) {
+            let mut aside = at.at.clone();
+            aside[place] += step;
+            let moved = self.at(aside)?.simulated;
+            columns.push(moved.iter().zip(&at.simulated).map(|(m, s)| (m - s) / step).collect());
+        }
+        let left: Vec<f64> = self.measured.iter().zip(&at.simulated).map(|(m, s)| m - s).collect();
+        let dot = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
+        let normal = DMatrix::from_fn(steps.len(), steps.len(), |r, c| dot(&columns[r], &columns[c]));
+        Ok((normal, DVector::from_fn(steps.len(), |r, _| dot(&columns[r], &left))))
     }
 
-    fn start(&self, at: Vector2<f64>) -> State {
-        let mut state = self.inside;
-        (state.position, state.velocity) = (at[0], at[1]);
-        state
+    fn at(&self, at: DVector<f64>) -> Result<Descent, Error> {
+        let mut simulated = vec![0.0; self.t_s.len()];
+        let start = self.unknowns.unpack(&at);
+        self.mechanics.simulate(self.timeline, self.t_s[0], start, self.t_s, &mut simulated)?;
+        let cost = self.measured.iter().zip(&simulated).map(|(m, s)| (m - s) * (m - s)).sum();
+        Ok(Descent { at, cost, simulated })
     }
 }
 
 /// One point of a descent.
 struct Descent {
-    at: Vector2<f64>,
+    at: DVector<f64>,
     /// Sum of squares.
     cost: f64,
     simulated: Vec<f64>,
@@ -173,8 +181,14 @@ mod tests {
             let mut measured = vec![0.0; t_s.len()];
             mechanics.simulate(&timeline, 0.0, State::new(1.0, speed), &t_s, &mut measured).unwrap();
             let inside = State::default();
-            let window =
-                StartState { mechanics: &mechanics, timeline: &timeline, t_s: &t_s, measured: &measured, inside };
+            let window = StartState {
+                mechanics: &mechanics,
+                timeline: &timeline,
+                t_s: &t_s,
+                measured: &measured,
+                inside,
+                shaft: None,
+            };
             let (state, simulated) = window.estimate(speed_at(&t_s, &measured, 0, 0, 100)).unwrap();
             let worst = measured.iter().zip(&simulated).map(|(m, s)| (m - s).abs()).fold(0.0, f64::max);
             assert!(worst < 1e-8, "torque {torque}, speed {speed}: {worst:e} rad from {state:?}");

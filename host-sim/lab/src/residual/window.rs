@@ -3,6 +3,7 @@
 use plant::{Command, Mechanics, Model, State, Timeline};
 use rayon::prelude::*;
 
+use super::Unknowns;
 use super::commands::{recorded_commands, unsettled};
 use super::start_state::{StartState, curvature, line, speed_at};
 use crate::Error;
@@ -72,8 +73,7 @@ impl Residual {
     }
 }
 
-/// Runs `model` over `recording` in windows of `horizon_s`, each from its best start state; bristles start unloaded and a
-/// load moves along.
+/// Runs `model` over `recording` in windows of `horizon_s`, each from its best start state, bristles and load included.
 ///
 /// # Errors
 /// A recording too short for one window, or a model the plant refuses.
@@ -81,8 +81,8 @@ pub fn residual(model: &Model, recording: &Recording, horizon_s: f64) -> Result<
     residual_from(model, recording, horizon_s, &|_| State::default())
 }
 
-/// The same where the state inside the machine (bristles, a load behind a shaft) is known at the row a window starts with:
-/// `inside` gives it, and only its position and speed are estimated.
+/// The same where the state inside the machine (bristles, a load behind a shaft) is about known at the row a window starts
+/// with: the estimate begins with what `inside` gives.
 ///
 /// # Errors
 /// As [`residual`].
@@ -107,7 +107,7 @@ pub fn residual_from(
             recording.name
         )));
     }
-    let fit = Fit { mechanics: &mechanics, timeline: &timeline, recording, inertia: model.inertia, inside };
+    let fit = Fit { mechanics: &mechanics, timeline: &timeline, recording, model, inside };
     let what = format!("{}, windows of {:.0} ms", recording.name, 1e3 * horizon_s);
     let progress = Progress::new(&what, spans.len() as u64);
     let window = |(start, end)| fit.window(start, end).inspect(|_| progress.advance(1));
@@ -146,7 +146,7 @@ struct Fit<'a> {
     mechanics: &'a Mechanics,
     timeline: &'a Timeline,
     recording: &'a Recording,
-    inertia: f64,
+    model: &'a Model,
     inside: &'a (dyn Fn(usize) -> State + Sync),
 }
 
@@ -158,11 +158,17 @@ impl Fit<'_> {
         let after_gap = gap.checked_sub(1).map_or(0, |gap| self.recording.gaps[gap] + 1);
         let speed_guess = speed_at(t_s, position, start, after_gap, end);
         let (t_s, measured) = (&t_s[start..end], &position[start..end]);
-        let inside = (self.inside)(start);
-        let window = StartState { mechanics: self.mechanics, timeline: self.timeline, t_s, measured, inside };
+        let window = StartState {
+            mechanics: self.mechanics,
+            timeline: self.timeline,
+            t_s,
+            measured,
+            unknowns: Unknowns::of(self.model),
+            inside: (self.inside)(start),
+        };
         let (state, simulated) = window.estimate(speed_guess)?;
         let residual: Vec<f64> = measured.iter().zip(&simulated).map(|(m, s)| m - s).collect();
-        let torque = self.inertia * curvature(t_s, &residual);
+        let torque = self.model.inertia * curvature(t_s, &residual);
         Ok(Window { start, end, state, residual, torque, speed: line(t_s, measured).1 })
     }
 }
