@@ -167,7 +167,7 @@ fn judge(
 ) -> Result<(), Error> {
     let (problem, axis) = (&searched.problem, request.machine.axis.kind);
     let left = leftover(problem, &searched.outcome.fit, axis);
-    let twins = Twins::of(request, searched, &diagnosis.improved);
+    let twins = Twins::of(request, searched, (&diagnosis.improved, refined.time.as_ref()));
     diagnosis.stages.done("twins");
     let Diagnosis { answer, nominal, improved, proposal, stages } = diagnosis;
     answer.fit = fit_answer(request, searched, (nominal, improved), &mut answer.effects, &twins)?;

@@ -29,12 +29,13 @@ type Trail = Vec<(f64, Vec<f64>)>;
 
 /// Which of the effects is a gap.
 pub(super) fn gap(active: &[Active]) -> Option<usize> {
-    active.iter().position(|entry| entry.effect.id == "backlash")
+    active.iter().position(|entry| entry.effect.is_gap())
 }
 
-/// The same with the values of a gap settled by simulation, where that is better; anything else is left as it is.
+/// The same with the values of a gap settled by simulation, where the refit in the time domain did not do that and where it is
+/// better; anything else is left as it is.
 pub(super) fn settled(request: &Request<'_>, searched: &Searched, refined: Refined) -> Refined {
-    let Some(index) = gap(&refined.active) else { return refined };
+    let Some(index) = gap(&refined.active).filter(|_| refined.time.is_none()) else { return refined };
     let trail = felt_out(&Probe::spread(&searched.problem, searched.fitted()), &refined.active, index);
     let Some((least, best)) = lowest(&trail) else { return refined };
     let mut active = refined.active.clone();

@@ -12,8 +12,9 @@ use crate::screen::{Active, MIN_GAIN};
 const EXPLAINS: f64 = 0.85;
 /// A substitute can come close where the effect is large. What is left far above the noise, in mean squares of it,
 const FAR: f64 = 3.0;
-/// is only the roughness of a real machine if it is this small a share of what there was.
-const WHOLE: f64 = 0.98;
+/// is only the roughness of a real machine if it is this small a share of what there was: a hard limit in the place of a soft
+/// one, or a sensor's error in the place of an inertia, leave 0.006.
+const WHOLE: f64 = 0.995;
 /// The windows of a true model come down to their floor; this many times the floor is something else on a rough machine,
 const OVER_FLOOR: f64 = 3.0;
 /// and this many times where the torque balance leaves no roughness, or the model has a memory to come down with.
@@ -83,7 +84,7 @@ fn is_unknown(searched: &Searched, answer: &Answer, left: &Leftover, twins: &Twi
     let predictable = left.gain > PREDICTABLE && (left.excess > 1.0 || windows_left);
     let substitute = predictable || left.excess < ROUGH && comparable(&answer.effects, fit, twins);
     // What predicts the torque balance and drives the simulation off is not how the machine moves.
-    let astray = fit.after_rms > ASTRAY * fit.before_rms;
+    let astray = fit.after_rms > ASTRAY * fit.before_rms || held_out_rms > ASTRAY * fit.heldout_before_rms;
     poor || astray || substitute && !memory || above_floor || swallowed
 }
 

@@ -203,6 +203,11 @@ impl Effect {
         self.id == "disturbance_pulse"
     }
 
+    /// Whether it puts a load behind a gap.
+    pub fn is_gap(&self) -> bool {
+        self.id == "backlash"
+    }
+
     /// The recording that the value at `index` belongs to alone; none for what holds for all of them.
     pub fn recording_of(&self, index: usize) -> Option<usize> {
         (self.id == "vibration" && index > 0).then(|| (index - 1) / 2)

@@ -14,6 +14,9 @@ const PASSES: usize = 20;
 /// A pass that lowers the squares by less than this, in units of the variance, is the last: it moves no value by more than
 /// a tenth of its deviation.
 const SETTLED: f64 = 0.01;
+/// Where the values have no more to gain than that, start states that still creep to their best are left at a gain of less
+/// than this share of the squares.
+const CREEPING: f64 = 1e-4;
 /// Losses beyond this many times the freedom are worth a compass search.
 const MUCH: f64 = 1.3;
 /// Steps of the compass search over the deviation of a value, largest first.
@@ -33,6 +36,8 @@ pub(super) fn descend(gauge: &Gauge<'_>, start: Point, count: usize) -> Result<P
         let before = point.loss();
         let slopes = gauge.slopes(&point, true)?;
         let (normal, gradient) = sums(&slopes, count);
+        let newton = bounded_step(&point.active, &normal, &gradient, 0.0);
+        let promised = -(2.0 * &gradient + &normal * &newton).dot(&newton);
         let mut lower = None;
         while lower.is_none() && damping < 1e4 {
             let step = bounded_step(&point.active, &normal, &gradient, damping);
@@ -42,7 +47,8 @@ pub(super) fn descend(gauge: &Gauge<'_>, start: Point, count: usize) -> Result<P
         }
         damping = damping.clamp(1e-9, 1.0);
         point = lower.unwrap_or(point);
-        if before - point.loss() < SETTLED {
+        let gain = before - point.loss();
+        if gain < SETTLED || promised < SETTLED && gain < CREEPING * before {
             let freedom: f64 = gauge.tracks.spans.iter().map(|span| span.freedom()).sum();
             if point.loss() < MUCH * freedom {
                 break;

@@ -108,6 +108,12 @@ impl TimeFit {
         fit().map_err(|error: plant::Error| Error::Usage(format!("a machine with other effects: {error}")))
     }
 
+    /// Standard deviation of a white torque held over rows of `period_s` that would scatter an inertia, kg m2 (kg), as this
+    /// fit leaves recording number `index`, N m (N).
+    pub fn torque_noise(&self, index: usize, inertia: f64, period_s: f64) -> f64 {
+        inertia * (self.noise[index].acceleration / period_s).sqrt()
+    }
+
     /// What evaluates points under the weights of this fit.
     pub(super) fn gauge<'a>(&self, problem: &'a Problem, recordings: &[Recording]) -> Gauge<'a> {
         let mut gauge = Gauge { problem, tracks: Tracks::new(problem, recordings) };

@@ -16,7 +16,7 @@ const FEELS: usize = 120;
 
 /// Whether the residual has kinks in the values, so that a derivative at the start says little about the optimum.
 fn kinked(effect: &Effect) -> bool {
-    effect.id == "backlash"
+    effect.is_gap()
 }
 
 fn duplicate(active: &[Active], entry: &Active) -> bool {

@@ -5,6 +5,7 @@
 //! their shapes. Where that single cause may be named, the search prefers it, for it changes fewer effects. Where it may not,
 //! or is no effect of the vocabulary at all, values that agree by chance are no explanation.
 
+mod nothing;
 mod shape;
 
 use crate::effects::{Effect, Physics};
@@ -70,6 +71,8 @@ pub(super) fn coincidences(
     if barred("compliance") && may_be_no_gap(effects) {
         found.push("backlash: the gap may be none, and without one it is a shaft".to_owned());
     }
+    found.extend(behind_the_limit(nominal, effects));
+    found.extend(nothing::coincidences(nominal, effects));
     found.extend(scaled_by_the_sensor(problem, effects).filter(|_| axis == AxisKind::Rotary));
     found.extend(shape::coincidences(problem, effects, improved, &barred));
     found
@@ -79,6 +82,20 @@ pub(super) fn coincidences(
 pub(super) fn may_be_no_gap(effects: &[EffectAnswer]) -> bool {
     let gap = effects.iter().find(|effect| effect.id == "backlash").and_then(|effect| effect.parameters.first());
     gap.is_some_and(|gap| gap.low <= 0.0)
+}
+
+/// A bias of the drive is within its limit; a limit higher by as much says that this one is not the drive's.
+fn behind_the_limit(nominal: &Physics, effects: &[EffectAnswer]) -> Option<String> {
+    let offset = first(effects, "torque_offset")?.beyond(nominal.torque_offset);
+    let raised = first(effects, "torque_saturation")?.beyond(nominal.torque_limit);
+    let size = if offset.value < 0.0 { offset.negative() } else { offset };
+    size.agrees(raised).then(|| {
+        format!(
+            "torque_offset of {:.4} acts on top of the drive's limit too, which a bias of the drive cannot: something behind \
+             the drive pushes one way",
+            offset.value
+        )
+    })
 }
 
 /// An inertia as little off as a sensor scales the acceleration.
@@ -226,6 +243,16 @@ mod tests {
         gap.parameters[0].low = 0.0;
         assert_eq!(found(&[gap.clone()], &without("compliance")).len(), 1);
         assert!(found(&[gap], &VOCABULARY).is_empty());
+    }
+
+    #[test]
+    fn an_offset_that_the_limit_does_not_clip_is_not_the_drives() {
+        let limited = |limit: f64| {
+            let machine = Physics { torque_limit: 30.0, ..nominal() };
+            behind_the_limit(&machine, &[effect("torque_offset", &[-0.2]), effect("torque_saturation", &[limit])])
+        };
+        assert!(limited(30.2).is_some());
+        assert!(limited(20.0).is_none() && limited(31.0).is_none());
     }
 
     #[test]

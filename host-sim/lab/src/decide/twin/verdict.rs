@@ -7,6 +7,7 @@ use crate::Error;
 use crate::decide::Request;
 use crate::decide::prepare::Searched;
 use crate::effects::Physics;
+use crate::refit::TimeFit;
 
 /// What the twins of the fitted recordings say.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -21,13 +22,25 @@ pub struct Twins {
 
 impl Twins {
     /// Makes twins of the improved machine, measures the floor on them and searches one set of them.
-    pub(in crate::decide) fn of(request: &Request<'_>, searched: &Searched, improved: &Physics) -> Self {
+    /// `time` is the fit in the time domain, if it is the one that is reported.
+    pub(in crate::decide) fn of(
+        request: &Request<'_>,
+        searched: &Searched,
+        (improved, time): (&Physics, Option<&TimeFit>),
+    ) -> Self {
         let (problem, outcome) = (&searched.problem, &searched.outcome);
         let resolution = request.machine.axis.resolution;
-        let noises: Vec<Noise> = (0..problem.fitted)
-            .into_par_iter()
-            .map(|index| estimate(problem, &outcome.fit, &outcome.weights, index, resolution))
-            .collect();
+        let each = (0..problem.fitted).into_par_iter();
+        let noise = |index| {
+            let balance = estimate(problem, &outcome.fit, &outcome.weights, index, resolution);
+            // The torque balance of a machine with a memory has errors of its own, at impacts above all; the windows have
+            // those of their start states.
+            let windows = time.filter(|_| improved.remembers()).map_or(f64::INFINITY, |time| {
+                time.torque_noise(index, improved.inertia, problem.motions[index].period_s)
+            });
+            Noise { torque: balance.torque.min(windows), ..balance }
+        };
+        let noises: Vec<Noise> = each.map(noise).collect();
         match Self::made(request, searched, improved, &noises) {
             Ok(twins) => twins,
             Err(error) => Self {
