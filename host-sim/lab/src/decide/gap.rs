@@ -1,8 +1,8 @@
-//! A gap, settled by simulation.
+//! A gap, settled by simulation where the refit in the time domain does not hold.
 //!
 //! Impacts make the torque balance of a load in its gap a poor witness: the filter that keeps the load on track takes in
-//! part of what wrong values do. Simulated windows are short enough for the load to stay where it is, and no slope tells
-//! their optimum; so the values are felt out, and every place that leaves hardly more belongs to their intervals.
+//! part of what wrong values do. Beside something that is missing, slopes do not lead to the optimum of the windows either;
+//! so the values are felt out, and every place that leaves hardly more belongs to their intervals.
 
 use std::cell::RefCell;
 

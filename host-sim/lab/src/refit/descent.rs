@@ -17,8 +17,10 @@ const SETTLED: f64 = 0.01;
 /// Where the values have no more to gain than that, start states that still creep to their best are left at a gain of less
 /// than this share of the squares.
 const CREEPING: f64 = 1e-4;
-/// Losses beyond this many times the freedom are worth a compass search.
+/// Losses beyond this many times the freedom are worth a compass search,
 const MUCH: f64 = 1.3;
+/// so many times: what is left after that is missing from the model.
+const COMPASSES: usize = 2;
 /// Steps of the compass search over the deviation of a value, largest first.
 const COMPASS: [f64; 5] = [3.0, 1.0, 0.3, 0.1, 0.03];
 
@@ -32,6 +34,7 @@ pub(super) fn sums(slopes: &[Slopes], count: usize) -> (DMatrix<f64>, DVector<f6
 pub(super) fn descend(gauge: &Gauge<'_>, start: Point, count: usize) -> Result<Point, plant::Error> {
     let mut point = gauge.settled(start, 3)?;
     let mut damping = 1e-6;
+    let mut compasses = COMPASSES;
     for _ in 0..PASSES {
         let before = point.loss();
         let slopes = gauge.slopes(&point, true)?;
@@ -50,9 +53,10 @@ pub(super) fn descend(gauge: &Gauge<'_>, start: Point, count: usize) -> Result<P
         let gain = before - point.loss();
         if gain < SETTLED || promised < SETTLED && gain < CREEPING * before {
             let freedom: f64 = gauge.tracks.spans.iter().map(|span| span.freedom()).sum();
-            if point.loss() < MUCH * freedom {
+            if point.loss() < MUCH * freedom || compasses == 0 {
                 break;
             }
+            compasses -= 1;
             point = compass(gauge, point, &normal)?;
             if before - point.loss() < SETTLED {
                 break;

@@ -1,5 +1,6 @@
 //! States inside the machine that no sensor shows: bristles, the fluid's spring, a load behind a shaft. They follow from
-//! the recorded motion alone, so an observer driven along it knows them at any row without an estimate of their own.
+//! the recorded motion, so an observer driven along it knows about where they are at any row: near enough to begin a search
+//! for the start of a window, not near enough to be that start, for the smoothed motion blurs impacts.
 
 use plant::State;
 

@@ -26,8 +26,8 @@ pub struct Windows {
 
 impl Windows {
     /// Runs the machine over the recordings in windows of `horizon_s`; the first of them is number `first` of the machine's
-    /// pushes and phases. Bristles and loads start as an observer along the recorded motion has them; `resolution` is the
-    /// smallest step of the position, rad (m).
+    /// pushes and phases. Bristles and loads are sought from where an observer along the recorded motion has them; `resolution`
+    /// is the smallest step of the position, rad (m).
     ///
     /// # Errors
     /// A recording too short for one window, or a machine that cannot be simulated.
