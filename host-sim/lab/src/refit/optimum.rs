@@ -291,7 +291,9 @@ mod tests {
         let soft = Physics { presliding: 400.0, ..nominal() };
         let mut thick = nominal();
         thick.damper.as_mut().unwrap().preyield = 300.0;
-        for physics in [soft, thick, Physics { load: Some(load), ..nominal() }] {
+        let loose = crate::effects::Load { gap: 1e-3, ..load };
+        let behind = |load| Physics { load: Some(load), ..nominal() };
+        for physics in [soft, thick, behind(load), behind(loose)] {
             let recordings = [recorded(&physics, &[])];
             let rms = |physics| Windows::new(physics, &recordings, 0, RESOLUTION, HORIZON_S).unwrap().rms();
             let (own, other) = (rms(&physics), rms(&nominal()));
