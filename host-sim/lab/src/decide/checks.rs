@@ -70,7 +70,7 @@ fn not_neutral(problem: &Problem, samples: &[Sample], effect: &Effect) -> Option
 
 /// Values at which an effect does nothing: no strength, the delay that is nominal. None for what replaces a part of the
 /// machine by another law (a delay of the viscosity, a load on a shaft) and for glitches, which no model has.
-fn neutral(effect: &Effect, nominal: &Physics, recordings: usize) -> Option<Vec<f64>> {
+pub(super) fn neutral(effect: &Effect, nominal: &Physics, recordings: usize) -> Option<Vec<f64>> {
     let damper = nominal.damper.as_ref();
     let of_damper = |value: fn(&crate::effects::Damper) -> f64| damper.map(|damper| vec![value(damper)]);
     Some(match effect.id {
@@ -86,6 +86,7 @@ fn neutral(effect: &Effect, nominal: &Physics, recordings: usize) -> Option<Vec<
         "viscous_friction" => vec![nominal.viscous],
         // No excess has no velocity: any other is as good.
         "stribeck_friction" if nominal.stribeck_excess == 0.0 => vec![0.0, 0.5 * nominal.stribeck_velocity],
+        "stribeck_friction" => vec![nominal.stribeck_excess, nominal.stribeck_velocity],
         "friction_asymmetry" => vec![nominal.asymmetry, nominal.asymmetry_viscous],
         "presliding" => vec![nominal.presliding],
         "torque_gain" => vec![nominal.torque_gain],

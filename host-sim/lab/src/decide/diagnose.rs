@@ -73,7 +73,7 @@ fn with_a_shaft(request: &Request<'_>, first: &Diagnosis) -> Result<Option<Diagn
         return Ok(None);
     }
     let vocabulary: Vec<&'static Effect> =
-        request.vocabulary.iter().copied().filter(|effect| effect.id != "backlash").collect();
+        request.vocabulary.iter().copied().filter(|effect| !effect.is_gap()).collect();
     let second = once(&Request { vocabulary: &vocabulary, ..*request })?;
     let named = second.answer.effects.iter().any(|effect| effect.id == "compliance");
     Ok((named && second.answer.fit.heldout_after_rms <= first.answer.fit.heldout_after_rms).then_some(second))

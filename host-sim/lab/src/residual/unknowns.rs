@@ -18,52 +18,39 @@ const NO_HIDDEN: f64 = 1e-3;
 /// inside, the load's twist and the rate of that, the torque of the dry bristle, the torque of the fluid's spring.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Unknowns {
-    load: bool,
+    /// Which of the four the machine has inside.
+    has: [bool; 4],
     /// Free play of the load, rad (m).
     gap: f64,
-    bristle: bool,
-    spring: bool,
     inertia: f64,
 }
 
 impl Unknowns {
     /// Of a machine.
     pub(crate) fn of(model: &Model) -> Self {
-        Self {
-            load: model.shaft.is_some_and(|shaft| shaft.inertia_ratio > 0.0),
-            gap: model.shaft.map_or(0.0, |shaft| shaft.gap),
-            bristle: model.presliding_stiffness.is_some(),
-            spring: model.er.as_ref().is_some_and(|er| er.preyield_stiffness.is_some()),
-            inertia: model.inertia,
-        }
+        let shaft = model.shaft.filter(|shaft| shaft.inertia_ratio > 0.0);
+        let (load, bristle) = (shaft.is_some(), model.presliding_stiffness.is_some());
+        let spring = model.er.as_ref().is_some_and(|er| er.preyield_stiffness.is_some());
+        Self { has: [load, load, bristle, spring], gap: shaft.map_or(0.0, |shaft| shaft.gap), inertia: model.inertia }
+    }
+
+    /// Of four things, those that belong to what the machine has inside.
+    fn held<T>(&self, all: [T; 4]) -> impl Iterator<Item = T> {
+        all.into_iter().zip(self.has).filter_map(|(each, has)| has.then_some(each))
     }
 
     /// The unknowns of a rotor with this position and speed, and what is `inside` a state.
     pub(crate) fn pack(&self, rotor: [f64; 2], inside: &State) -> DVector<f64> {
-        let mut all = rotor.to_vec();
-        if self.load {
-            all.extend([inside.twist, inside.twist_rate]);
-        }
-        if self.bristle {
-            all.push(inside.bristle_torque);
-        }
-        if self.spring {
-            all.push(inside.spring_torque);
-        }
-        DVector::from_vec(all)
+        let inside = [inside.twist, inside.twist_rate, inside.bristle_torque, inside.spring_torque];
+        DVector::from_vec(rotor.into_iter().chain(self.held(inside)).collect())
     }
 
     /// The state that has the values of the unknowns.
     pub(crate) fn unpack(&self, values: &DVector<f64>) -> State {
         let mut state = State::new(values[0], values[1]);
-        let inside = [
-            (self.load, &mut state.twist),
-            (self.load, &mut state.twist_rate),
-            (self.bristle, &mut state.bristle_torque),
-            (self.spring, &mut state.spring_torque),
-        ];
-        let held = inside.into_iter().filter_map(|(has, value)| has.then_some(value));
-        held.zip(values.iter().skip(2)).for_each(|(value, found)| *value = *found);
+        let State { twist, twist_rate, bristle_torque, spring_torque, .. } = &mut state;
+        let inside = self.held([twist, twist_rate, bristle_torque, spring_torque]);
+        inside.zip(values.iter().skip(2)).for_each(|(value, found)| *value = *found);
         state
     }
 
@@ -78,28 +65,23 @@ impl Unknowns {
     }
 
     /// Of each unknown, how much of it moves a free rotor by 1 rad (m) until the end of a window.
-    fn units(&self, span_s: f64) -> Vec<f64> {
-        let mut units = vec![1.0, span_s.recip()];
-        if self.load {
-            units.extend([1.0, span_s.recip()]);
-        }
-        let torques = usize::from(self.bristle) + usize::from(self.spring);
-        units.extend(vec![2.0 * self.inertia / (span_s * span_s); torques]);
-        units
+    fn units(&self, span_s: f64) -> impl Iterator<Item = f64> {
+        let (rate, torque) = (span_s.recip(), 2.0 * self.inertia / (span_s * span_s));
+        [1.0, rate].into_iter().chain(self.held([1.0, rate, torque, torque]))
     }
 
     /// Steps of the difference quotients, for a window of `span_s` over a way of `travel`, rad (m), that starts with `speed`,
     /// rad/s (m/s).
     pub(crate) fn steps(&self, span_s: f64, travel: f64, speed: f64) -> Vec<f64> {
         let way = ASIDE * travel.max(speed.abs() * span_s).max(LEAST_TRAVEL);
-        let units = self.units(span_s).into_iter().enumerate();
+        let units = self.units(span_s).enumerate();
         units.map(|(place, unit)| unit * if place < 2 { way } else { way.min(HIDDEN_ASIDE) }).collect()
     }
 
     /// What is added to the squares of the derivatives by each unknown, where those by the position have the sum `square`:
     /// an unknown that makes no difference stays where it is.
     pub(crate) fn stays(&self, span_s: f64, square: f64) -> Vec<f64> {
-        let units = self.units(span_s).into_iter().enumerate();
+        let units = self.units(span_s).enumerate();
         let nothing = |place: usize| [0.0, NO_SPEED].get(place).copied().unwrap_or(NO_HIDDEN);
         units.map(|(place, unit)| square * (nothing(place) / unit).powi(2)).collect()
     }
@@ -123,7 +105,7 @@ mod tests {
         let loaded = Unknowns::of(&Model { shaft: Some(shaft), presliding_stiffness: Some(9.0), ..Model::new(0.1) });
         state.bristle_torque = 5.0;
         assert_eq!(through(loaded, &state), state);
-        let all = Unknowns { load: true, gap: 0.5, bristle: true, spring: true, inertia: 0.1 };
+        let all = Unknowns { has: [true; 4], gap: 0.5, inertia: 0.1 };
         state.spring_torque = 6.0;
         assert_eq!(through(all, &state), state);
         let sides = all.touching([1.0, 2.0], state);

@@ -8,7 +8,8 @@
 mod nothing;
 mod shape;
 
-use crate::effects::{Effect, Physics};
+use super::checks::neutral;
+use crate::effects::{Effect, Physics, find};
 use crate::read::AxisKind;
 use crate::report::{EffectAnswer, Interval};
 use crate::screen::Problem;
@@ -62,7 +63,7 @@ pub(super) fn coincidences(
     let delays = [
         ("field_lag", lags_alike(effects)),
         ("sensor_latency", delayed_alike(nominal, effects)),
-        ("torque_delay", late_and_early(effects, "field_dead_time", nominal_dead_time_s(nominal))),
+        ("torque_delay", late_and_early(effects, "field_dead_time", unchanged(nominal, "field_dead_time"))),
         ("field_dead_time", late_and_early(effects, "torque_delay", Some(nominal.torque_delay_s))),
     ];
     let mut found: Vec<String> =
@@ -117,8 +118,9 @@ fn first(effects: &[EffectAnswer], id: &str) -> Option<Estimate> {
     effect.parameters.first().map(Estimate::of)
 }
 
-fn nominal_dead_time_s(nominal: &Physics) -> Option<f64> {
-    nominal.damper.as_ref().map(|damper| damper.dead_time_s)
+/// The first value of an effect on a machine that has none of it.
+fn unchanged(nominal: &Physics, id: &str) -> Option<f64> {
+    neutral(find(id)?, nominal, 1)?.first().copied()
 }
 
 fn lags_alike(effects: &[EffectAnswer]) -> Option<String> {
@@ -130,7 +132,7 @@ fn lags_alike(effects: &[EffectAnswer]) -> Option<String> {
 
 fn delayed_alike(nominal: &Physics, effects: &[EffectAnswer]) -> Option<String> {
     let torque = first(effects, "torque_delay")?.beyond(nominal.torque_delay_s);
-    let field = first(effects, "field_dead_time")?.beyond(nominal_dead_time_s(nominal)?);
+    let field = first(effects, "field_dead_time")?.beyond(unchanged(nominal, "field_dead_time")?);
     torque.agrees(field).then(|| {
         format!(
             "torque_delay and field_dead_time are both {:.4} s more than the model has: one cause delays both, or the position \
@@ -155,14 +157,8 @@ fn late_and_early(effects: &[EffectAnswer], command: &str, nominal_s: Option<f64
 
 /// The balance of torques is fixed up to one scale: all of its terms but one off by the same factor are that one off.
 fn one_scale(nominal: &Physics, effects: &[EffectAnswer], barred: &dyn Fn(&str) -> bool) -> Option<String> {
-    let terms = [
-        ("torque_gain", nominal.torque_gain),
-        ("inertia", nominal.inertia),
-        ("coulomb_friction", nominal.coulomb),
-        ("viscous_friction", nominal.viscous),
-        ("er_strength", nominal.damper.as_ref().map_or(0.0, |damper| damper.scale)),
-    ];
-    let terms = terms.iter().filter(|(_, size)| *size > 0.0);
+    let terms = ["torque_gain", "inertia", "coulomb_friction", "viscous_friction", "er_strength"];
+    let terms = terms.into_iter().filter_map(|id| Some((id, unchanged(nominal, id).filter(|size| *size > 0.0)?)));
     let (changed, same): (Vec<_>, Vec<_>) = terms.partition(|(id, _)| first(effects, id).is_some());
     let [(single, _)] = same.as_slice() else { return None };
     let factors: Vec<Estimate> =
