@@ -1,7 +1,7 @@
 //! One step of Gauss collocation with four nodes: order eight, for second-order equations.
 //!
-//! The accelerations at the four Gauss-Legendre nodes are found by fixed-point iteration; positions and speeds follow
-//! from them by exact integration of their interpolating polynomial. What acts on the rotor is a formula of time and is
+//! The accelerations at the four Gauss-Legendre nodes are found by fixed-point iteration in which each node takes what the
+//! ones before it have just found (Gauss-Seidel); positions and speeds follow from them by exact integration of their interpolating polynomial. What acts on the rotor is a formula of time and is
 //! evaluated once a node, however many iterations it takes. Hairer, Norsett, Wanner, Solving Ordinary Differential
 //! Equations I, section II.7 (Kuntzmann and Butcher).
 
@@ -67,17 +67,17 @@ impl Collocation {
         for _ in 0..MOST_ITERATIONS {
             let mut change = 0.0_f64;
             let mut largest = 0.0_f64;
-            let previous = found;
             for node in 0..NODES {
                 let at_node: [f64; N] = std::array::from_fn(|body| {
-                    q[body] + h * (self.times[node] * v[body] + h * dot(&self.position[node], &previous, body))
+                    q[body] + h * (self.times[node] * v[body] + h * dot(&self.position[node], &found, body))
                 });
-                let speed: [f64; N] = std::array::from_fn(|body| v[body] + h * dot(&self.speed[node], &previous, body));
-                found[node] = acceleration(node, &at_node, &speed);
+                let speed: [f64; N] = std::array::from_fn(|body| v[body] + h * dot(&self.speed[node], &found, body));
+                let next = acceleration(node, &at_node, &speed);
                 for body in 0..N {
-                    change = change.max((found[node][body] - previous[node][body]).abs());
-                    largest = largest.max(found[node][body].abs());
+                    change = change.max((next[body] - found[node][body]).abs());
+                    largest = largest.max(next[body].abs());
                 }
+                found[node] = next;
             }
             // The iteration contracts, so the next change would be this one times the ratio of the last two.
             let allowed = TOLERANCE * (1.0 + largest);
