@@ -1,8 +1,11 @@
 //! The torque balance along a recorded motion: what acts on the rotor, as means over the cells between samples.
 
+use std::sync::Arc;
+
 use super::actuation::{Chain, chain_means, held_means};
 use super::internal;
 use super::motion::Motion;
+use super::waves::Wave;
 use crate::effects::{Damper, Physics, Viscosity};
 
 /// Torque of the drive in each cell, N m (N).
@@ -102,23 +105,13 @@ pub(crate) fn friction(physics: &Physics, motion: &Motion) -> Vec<f64> {
     dry.iter().zip(cells).map(|(dry, (w, _))| dry + slope(*w)).collect()
 }
 
-/// Torque over position and time in each cell, N m (N), as it acts on the rotor.
-pub(crate) fn external(physics: &Physics, motion: &Motion, recording: usize) -> Vec<f64> {
-    let phasor = physics.vibration.as_ref().and_then(|v| v.phasors.get(recording).map(|p| (v.frequency_hz, p.0, p.1)));
-    let mut torque: Vec<f64> = motion
-        .cell_position
-        .iter()
-        .map(|&q| {
-            let cogging: f64 = physics.cogging.iter().map(|harmonic| harmonic.at(q)).sum();
-            cogging + physics.gravity.map_or(0.0, |harmonic| harmonic.at(q)) - physics.spring * q
-        })
-        .collect();
-    if let Some((frequency_hz, sine, cosine)) = phasor {
-        for (cell, torque) in torque.iter_mut().enumerate() {
-            let middle_s = 0.5 * (motion.t_s[cell] + motion.t_s[cell + 1]);
-            let (s, c) = (std::f64::consts::TAU * frequency_hz * middle_s).sin_cos();
-            *torque += sine * s + cosine * c;
-        }
+/// Torque over position and time in each cell, N m (N), as it acts on the rotor; `waves` are those of this recording.
+pub(crate) fn external(physics: &Physics, motion: &Motion, recording: usize, waves: &[Arc<Wave>]) -> Vec<f64> {
+    let mut torque: Vec<f64> = motion.cell_position.iter().map(|q| -physics.spring * q).collect();
+    let harmonics = physics.cogging.iter().chain(&physics.gravity).map(|harmonic| (harmonic.sine, harmonic.cosine));
+    let phasors = physics.vibration.iter().map(|v| v.phasors.get(recording).copied().unwrap_or_default());
+    for ((sine, cosine), wave) in harmonics.chain(phasors).zip(waves) {
+        torque.iter_mut().zip(wave.iter()).for_each(|(torque, (s, c))| *torque += sine * s + cosine * c);
     }
     for pulse in physics.pulses.iter().filter(|pulse| pulse.recording == recording) {
         for (cell, torque) in torque.iter_mut().enumerate() {

@@ -16,6 +16,7 @@ mod refitter;
 mod search;
 mod simplex;
 mod smoother;
+mod waves;
 mod weak;
 
 pub(crate) use actuation::{Chain, chain_means};

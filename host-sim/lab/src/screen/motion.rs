@@ -3,6 +3,7 @@
 use super::actuation::{Chain, chain_means, held_means};
 use super::balance;
 use super::smoother::{Smoothed, smooth};
+use super::waves::Waves;
 use crate::effects::Physics;
 use crate::read::{Mode, Recording};
 use crate::residual::unsettled;
@@ -115,7 +116,8 @@ impl Motion {
         let still = still_cells(&self.t_s, &self.position, resolution);
         let drive = balance::drive(machine, self);
         let (damper, friction) = (balance::damper(machine, self), balance::friction(machine, self));
-        let external = balance::external(machine, self, recording);
+        let waves = Waves::of(machine, std::slice::from_ref(self), None);
+        let external = balance::external(machine, self, recording, waves.along(0));
         let known: Vec<f64> = (0..self.cells())
             .map(|cell| {
                 let torque = drive[cell] - damper[cell] - friction[cell] + external[cell];

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::load::{Pull, pull};
 use super::motion::Motion;
+use super::waves::{Bend, Waves};
 use super::{balance, weak};
 use crate::effects::{Effect, Load, Physics, Range};
 
@@ -85,6 +86,9 @@ pub(crate) struct Parts {
     damper: Arc<Vec<Vec<f64>>>,
     friction: Arc<Vec<Vec<f64>>>,
     external: Arc<Vec<Vec<f64>>>,
+    waves: Waves,
+    /// Of an error of the position sensor.
+    bend: Option<Bend>,
     /// What a flexible load takes, and the inertia that stays with the rotor.
     load: Option<(Arc<Vec<Pull>>, f64)>,
 }
@@ -160,6 +164,11 @@ impl Problem {
         let each = |part: &dyn Fn(usize, &Motion) -> Vec<f64>| -> Arc<Vec<Vec<f64>>> {
             Arc::new(self.motions.iter().enumerate().map(|(index, motion)| part(index, motion)).collect())
         };
+        let waves = Waves::of(physics, &self.motions, known.map(|known| &known.waves));
+        let bend = physics
+            .eccentricity
+            .as_ref()
+            .map(|error| Bend::of(error, &self.motions, &self.equations, known.and_then(|known| known.bend.as_ref())));
         let same = |key: fn(&Physics, &Physics) -> bool| known.filter(|known| key(&known.physics, physics));
         let mut parts = Parts {
             drive: same(same_drive).map_or_else(|| each(&|_, m| balance::drive(physics, m)), |k| Arc::clone(&k.drive)),
@@ -167,8 +176,12 @@ impl Problem {
                 .map_or_else(|| each(&|_, m| balance::damper(physics, m)), |k| Arc::clone(&k.damper)),
             friction: same(same_friction)
                 .map_or_else(|| each(&|_, m| balance::friction(physics, m)), |k| Arc::clone(&k.friction)),
-            external: same(same_external)
-                .map_or_else(|| each(&|i, m| balance::external(physics, m, i)), |k| Arc::clone(&k.external)),
+            external: same(same_external).map_or_else(
+                || each(&|i, m| balance::external(physics, m, i, waves.along(i))),
+                |k| Arc::clone(&k.external),
+            ),
+            waves,
+            bend,
             load: None,
             physics: physics.clone(),
         };
@@ -212,16 +225,13 @@ impl Problem {
                 None => parts.torques(index).collect(),
             })
             .collect();
-        let true_position: Option<Vec<Vec<f64>>> = physics.eccentricity.map(|error| {
-            let correct = |m: &Motion| m.position.iter().map(|&q| q - error.at(q)).collect();
-            self.motions.iter().map(correct).collect()
-        });
         self.equations
             .iter()
-            .map(|equation| {
-                let acceleration = true_position
-                    .as_ref()
-                    .map_or(equation.acceleration, |q| equation.row.acceleration(&q[equation.recording]));
+            .enumerate()
+            .map(|(index, equation)| {
+                let error = parts.bend.as_ref().zip(physics.eccentricity.as_ref());
+                let bent = error.map_or(0.0, |(bend, error)| bend.acceleration(error, index));
+                let acceleration = equation.acceleration - bent;
                 let residual = nominal * (acceleration - equation.row.mean(&cells[equation.recording]) / inertia);
                 let corrected = parts.load.as_ref().map(|(pulls, _)| &pulls[equation.recording].corrected);
                 match corrected.filter(|corrected| !corrected.is_empty()) {
