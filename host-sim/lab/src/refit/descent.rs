@@ -9,20 +9,33 @@ use nalgebra::{DMatrix, DVector};
 use super::point::{Gauge, Point, Slopes};
 use crate::screen::bounded_step;
 
-/// Passes at most.
-const PASSES: usize = 20;
-/// A pass that lowers the squares by less than this, in units of the variance, is the last: it moves no value by more than
-/// a tenth of its deviation.
-const SETTLED: f64 = 0.01;
-/// Where the values have no more to gain than that, start states that still creep to their best are left at a gain of less
-/// than this share of the squares.
-const CREEPING: f64 = 1e-4;
+/// When a descent is over.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Goal {
+    /// Passes at most.
+    passes: usize,
+    /// A pass that lowers the squares by less than this, in units of the variance, is the last.
+    gain: f64,
+    /// Where the values have no more to gain than that, start states that still creep to their best are left at a gain of
+    /// less than this share of the squares.
+    creeping: f64,
+}
+
+/// The optimum: nothing more moves a value by more than a tenth of its deviation.
+pub(super) const SETTLED: Goal = Goal { passes: 12, gain: 0.01, creeping: 1e-4 };
+/// For a first fit, whose weights are not those of the last.
+pub(super) const NEAR: Goal = Goal { passes: 8, gain: 1.0, creeping: 1e-3 };
+/// Passes in a row after which it is over where the values have no more to gain than that, whatever start states do, or where
+/// it creeps and gains not half of what the slopes promise: kinks rule.
+const IN_VAIN: usize = 3;
 /// Losses beyond this many times the freedom are worth a compass search,
 const MUCH: f64 = 1.3;
 /// so many times: what is left after that is missing from the model.
 const COMPASSES: usize = 2;
 /// Steps of the compass search over the deviation of a value, largest first.
 const COMPASS: [f64; 5] = [3.0, 1.0, 0.3, 0.1, 0.03];
+/// Parts in a row that find nothing are the last.
+const IDLE: usize = 2;
 
 /// Sums over the windows: values by values, and values by residual.
 pub(super) fn sums(slopes: &[Slopes], count: usize) -> (DMatrix<f64>, DVector<f64>) {
@@ -30,12 +43,13 @@ pub(super) fn sums(slopes: &[Slopes], count: usize) -> (DMatrix<f64>, DVector<f6
     slopes.iter().fold(start, |(normal, gradient), slopes| (normal + &slopes.normal, gradient + &slopes.gradient))
 }
 
-/// Descends from a point; never ends above it.
-pub(super) fn descend(gauge: &Gauge<'_>, start: Point, count: usize) -> Result<Point, plant::Error> {
+/// Descends from a point to a goal; never ends above it.
+pub(super) fn descend(gauge: &Gauge<'_>, start: Point, count: usize, goal: Goal) -> Result<Point, plant::Error> {
     let mut point = gauge.settled(start, 3)?;
     let mut damping = 1e-6;
     let mut compasses = COMPASSES;
-    for _ in 0..PASSES {
+    let mut in_vain = 0;
+    for _ in 0..goal.passes {
         let before = point.loss();
         let slopes = gauge.slopes(&point, true)?;
         let (normal, gradient) = sums(&slopes, count);
@@ -51,14 +65,18 @@ pub(super) fn descend(gauge: &Gauge<'_>, start: Point, count: usize) -> Result<P
         damping = damping.clamp(1e-9, 1.0);
         point = lower.unwrap_or(point);
         let gain = before - point.loss();
-        if gain < SETTLED || promised < SETTLED && gain < CREEPING * before {
+        let creeping = gain < goal.creeping * before;
+        let done = promised < goal.gain;
+        in_vain = if done || creeping && gain < 0.5 * promised { in_vain + 1 } else { 0 };
+        if gain < goal.gain || creeping && done || in_vain == IN_VAIN {
             let freedom: f64 = gauge.tracks.spans.iter().map(|span| span.freedom()).sum();
             if point.loss() < MUCH * freedom || compasses == 0 {
                 break;
             }
             compasses -= 1;
+            in_vain = 0;
             point = compass(gauge, point, &normal)?;
-            if before - point.loss() < SETTLED {
+            if before - point.loss() < goal.gain {
                 break;
             }
         }
@@ -66,22 +84,33 @@ pub(super) fn descend(gauge: &Gauge<'_>, start: Point, count: usize) -> Result<P
     Ok(point)
 }
 
-/// Tries each value up and down by parts of its deviation; never ends above its start.
+/// Tries each value up and down by parts of its deviation, until neither of two parts in a row lowers anything; never ends
+/// above its start.
 fn compass(gauge: &Gauge<'_>, mut point: Point, normal: &DMatrix<f64>) -> Result<Point, plant::Error> {
+    let count = normal.nrows();
+    let follow = |point: &Point| -> Result<Vec<Slopes>, plant::Error> {
+        Ok(gauge.slopes(point, false)?.into_iter().map(|slopes| slopes.without_values(count)).collect())
+    };
+    let mut slopes = follow(&point)?;
+    let mut idle = 0;
     for part in COMPASS {
-        for index in 0..normal.nrows() {
+        let before = point.loss();
+        for index in 0..count {
             for sign in [1.0, -1.0] {
-                let mut step = DVector::zeros(normal.nrows());
+                let mut step = DVector::zeros(count);
                 step[index] = sign * part / normal[(index, index)].max(1e-300).sqrt();
-                let slopes = gauge.slopes(&point, false)?;
-                let follow: Vec<Slopes> = slopes.into_iter().map(|slopes| slopes.without_values(step.len())).collect();
-                let Ok(tried) = gauge.after(&point, &follow, &step) else { continue };
+                let Ok(tried) = gauge.after(&point, &slopes, &step) else { continue };
                 let tried = gauge.settled(tried, 2)?;
                 if tried.loss() < point.loss() {
                     point = tried;
+                    slopes = follow(&point)?;
                     break;
                 }
             }
+        }
+        idle = if before - point.loss() < SETTLED.gain { idle + 1 } else { 0 };
+        if idle == IDLE {
+            break;
         }
     }
     Ok(point)

@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::descent::{descend, sums};
+use super::descent::{Goal, NEAR, SETTLED, descend, sums};
 use super::point::{Gauge, Point, Slopes};
 use super::track::Tracks;
 use super::whiten::{Noise, Sample, likely};
@@ -10,8 +10,8 @@ use crate::Error;
 use crate::read::Recording;
 use crate::screen::{Active, Problem, places, solve_near};
 
-/// Rounds of fit and noise: the noise is what the fit leaves.
-const ROUNDS: usize = 2;
+/// Rounds of fit and noise, by how far each descends: the noise is what the fit leaves.
+const ROUNDS: [Goal; 2] = [NEAR, SETTLED];
 /// Windows in motion from one end to the other that make a noise.
 const ENOUGH: usize = 10;
 
@@ -64,19 +64,19 @@ impl TimeFit {
         let count = places(start).len();
         let mut point = gauge.settled(gauge.first(start)?, 3)?;
         let mut noise = Vec::new();
-        for _ in 0..ROUNDS {
+        for goal in ROUNDS {
             for _ in 0..2 {
                 noise = noises(&gauge, &point, resolution);
                 gauge.tracks.weigh(&noise);
                 point = gauge.weighed(point);
             }
-            point = lowest(&gauge, gauge.rescued(point)?, count)?;
+            point = lowest(&gauge, gauge.rescued(point)?, count, goal)?;
         }
         let first = gauge.rescued(gauge.settled(gauge.first(start)?, 6)?)?;
         let start_sse = first.loss();
         if start_sse < point.loss() && count > 0 {
             // Under the last weights the start may be better; then it is where the descent begins.
-            point = descend(&gauge, first, count)?;
+            point = descend(&gauge, first, count, SETTLED)?;
         }
         let slopes = gauge.slopes(&point, true)?;
         Ok(Self::of(&gauge, point, &slopes, start_sse, noise))
@@ -101,7 +101,7 @@ impl TimeFit {
             let gauge = self.gauge(problem, recordings);
             let first = gauge.rescued(gauge.settled(gauge.first(start)?, 6)?)?;
             let (start_sse, count) = (first.loss(), places(start).len());
-            let point = lowest(&gauge, first, count)?;
+            let point = lowest(&gauge, first, count, SETTLED)?;
             let slopes = gauge.slopes(&point, true)?;
             Ok(Self::of(&gauge, point, &slopes, start_sse, self.noise.clone()))
         };
@@ -161,8 +161,8 @@ impl TimeFit {
 }
 
 /// The lowest point from a start; without values to move, that of the start states alone.
-fn lowest(gauge: &Gauge<'_>, start: Point, count: usize) -> Result<Point, plant::Error> {
-    if count == 0 { gauge.settled(start, 6) } else { descend(gauge, start, count) }
+fn lowest(gauge: &Gauge<'_>, start: Point, count: usize, goal: Goal) -> Result<Point, plant::Error> {
+    if count == 0 { gauge.settled(start, 6) } else { descend(gauge, start, count, goal) }
 }
 
 /// The noise of each recording that a point leaves; windows in motion tell it best.

@@ -9,7 +9,7 @@ use super::Unknowns;
 /// the way changes with the square of the speed, up to ten.
 const TRIALS: usize = 16;
 /// A pass that gains less of the sum of squares than this is the last.
-const SETTLED: f64 = 1e-6;
+const SETTLED: f64 = 1e-4;
 /// Two descents that end with sums of squares this near each other are believed.
 const ALIKE: f64 = 1e-3;
 /// Rows on either side of the start from which the first guess of its speed is taken.
@@ -62,13 +62,14 @@ impl StartState<'_> {
         let span_s = self.t_s[self.t_s.len() - 1] - self.t_s[0];
         let travel = self.measured.iter().fold(0.0_f64, |most, p| most.max((p - self.measured[0]).abs()));
         let stays = DVector::from_vec(self.unknowns.stays(span_s, self.t_s.len() as f64));
+        let products = |at: &Descent| self.products(at, &self.unknowns.steps(span_s, travel, at.at[1]));
         let mut best = self.at(guess)?;
+        let (mut normal, mut right) = products(&best)?;
         let mut damping = 1e-9;
         for _ in 0..TRIALS {
-            let (normal, right) = self.products(&best, &self.unknowns.steps(span_s, travel, best.at[1]))?;
             let damped = &normal + DMatrix::from_diagonal(&(normal.diagonal() * damping + &stays));
             let Some(inverse) = damped.try_inverse() else { break };
-            let tried = self.at(&best.at + inverse * right)?;
+            let tried = self.at(&best.at + inverse * &right)?;
             if tried.cost < best.cost {
                 let gain = 1.0 - tried.cost / best.cost;
                 best = tried;
@@ -76,6 +77,7 @@ impl StartState<'_> {
                 if gain < SETTLED {
                     break;
                 }
+                (normal, right) = products(&best)?;
             } else if damping < 1e3 {
                 damping = (100.0 * damping).max(1e-3);
             } else {
