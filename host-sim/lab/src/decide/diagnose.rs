@@ -2,7 +2,7 @@
 
 use super::checks::self_checks;
 use super::closest::closest;
-use super::coincidence::{coincidences, may_be_no_gap};
+use super::coincidence::{bent, coincidences, may_be_no_gap};
 use super::confirmed::confirm;
 use super::controller::mismatch;
 use super::equivalents::contested;
@@ -174,6 +174,7 @@ fn judge(
     answer.effects.sort_by(|a, b| b.evidence.heldout_gain.total_cmp(&a.evidence.heldout_gain));
     stages.done("windows");
     let mut reasons = coincidences(problem, &answer.effects, improved, (request.vocabulary, axis));
+    reasons.extend(bent(problem, &searched.outcome));
     reasons.extend(at_bound(&searched.outcome.fit.active, &refined.active));
     if answer.verdict != Verdict::Controller {
         answer.verdict = verdict(searched, answer, &left, &twins, &reasons);

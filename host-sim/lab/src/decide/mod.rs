@@ -5,6 +5,7 @@ mod closest;
 mod coincidence;
 mod confirmed;
 mod controller;
+mod detour;
 mod diagnose;
 mod equivalents;
 mod fitted;

@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 
+use super::detour::detour;
 use super::simulated::Shown;
 use super::{Refined, Request};
 use crate::Error;
@@ -80,7 +81,7 @@ pub(super) fn search(request: &Request<'_>, nominal: &Physics, stages: &mut Stag
         problem = self::problem(request, &recordings, nominal);
     }
     stages.done("prepare");
-    let outcome = run(request, &problem, &[]);
+    let outcome = detour(request, &problem, run(request, &problem, &[]));
     stages.done("search");
     again(
         request,

@@ -32,6 +32,17 @@ pub(crate) fn machine() -> Machine {
 
 /// A machine in closed loop over random steps, with a torque noise, N m.
 pub(crate) fn recording(physics: &Physics, torque_noise_nm: f64, duration_s: f32, seed: u64) -> Recording {
+    let shape = Shape::Steps { amplitude_rad: 0.9, dwell_s: 0.5, seed: seed as u32 };
+    over("steps.csv", Experiment { shape, duration_s }, physics, torque_noise_nm, seed)
+}
+
+/// The same over a multisine, which hardly rests and needs the field all the time.
+pub(crate) fn multisine(physics: &Physics, torque_noise_nm: f64, duration_s: f32, seed: u64) -> Recording {
+    let shape = Shape::Multisine { amplitude_rad: 0.5, low_hz: 0.2, high_hz: 3.0, tones: 8 };
+    over("multisine.csv", Experiment { shape, duration_s }, physics, torque_noise_nm, seed)
+}
+
+fn over(name: &str, reference: Experiment, physics: &Physics, torque_noise_nm: f64, seed: u64) -> Recording {
     let setup = Setup {
         model: model(physics, 0),
         config: Config::default(),
@@ -40,8 +51,7 @@ pub(crate) fn recording(physics: &Physics, torque_noise_nm: f64, duration_s: f32
         torque_noise_nm,
         seed,
     };
-    let shape = Shape::Steps { amplitude_rad: 0.9, dwell_s: 0.5, seed: seed as u32 };
-    let reference = Reference::Experiment(Experiment { shape, duration_s });
+    let reference = Reference::Experiment(reference);
     let positions = reference.positions(5e-4).unwrap();
-    record("steps.csv", &run(&setup, positions).unwrap())
+    record(name, &run(&setup, positions).unwrap())
 }

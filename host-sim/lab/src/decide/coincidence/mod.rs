@@ -5,8 +5,11 @@
 //! their shapes. Where that single cause may be named, the search prefers it, for it changes fewer effects. Where it may not,
 //! or is no effect of the vocabulary at all, values that agree by chance are no explanation.
 
+mod curve;
 mod nothing;
 mod shape;
+
+pub(super) use curve::bent;
 
 use super::checks::neutral;
 use crate::effects::{Effect, Physics, find};
