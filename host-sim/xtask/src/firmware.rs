@@ -45,7 +45,8 @@ pub fn build() -> Result<Image, String> {
     Ok(image)
 }
 
-/// Lints the image's own code, which a lint for the host never sees; warnings are errors.
+/// Lints the image's own code, which a lint for the host never sees; warnings are errors. In the profile of the image, whose
+/// macros and build scripts are built already.
 ///
 /// # Errors
 ///
@@ -53,7 +54,8 @@ pub fn build() -> Result<Image, String> {
 pub fn lint() -> Result<(), String> {
     let root = root();
     let toolchain = Toolchain::find(&root)?;
-    let mut command = toolchain.cargo(&root, &root.join("target/firmware"), &["clippy", "--bin", "er-servo"]);
+    let mut command =
+        toolchain.cargo(&root, &root.join("target/firmware"), &["clippy", "--release", "--bin", "er-servo"]);
     command.args(["--", "-D", "warnings"]);
     run(command)
 }
