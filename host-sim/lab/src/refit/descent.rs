@@ -9,11 +9,14 @@ use nalgebra::{DMatrix, DVector};
 use super::point::{Gauge, Point, Slopes};
 use crate::screen::bounded_step;
 
+/// Passes at most,
+const PASSES: usize = 20;
+/// and of a machine with a memory, whose pass takes a hundred times longer: one that is there is found in as many.
+const PASSES_WITH_MEMORY: usize = 10;
+
 /// When a descent is over.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Goal {
-    /// Passes at most.
-    passes: usize,
     /// A pass that lowers the squares by less than this, in units of the variance, is the last.
     gain: f64,
     /// Where the values have no more to gain than that, start states that still creep to their best are left at a gain of
@@ -22,9 +25,9 @@ pub(super) struct Goal {
 }
 
 /// The optimum: nothing more moves a value by more than a tenth of its deviation.
-pub(super) const SETTLED: Goal = Goal { passes: 12, gain: 0.01, creeping: 1e-4 };
+pub(super) const SETTLED: Goal = Goal { gain: 0.01, creeping: 1e-4 };
 /// For a first fit, whose weights are not those of the last.
-pub(super) const NEAR: Goal = Goal { passes: 8, gain: 1.0, creeping: 1e-3 };
+pub(super) const NEAR: Goal = Goal { gain: 1.0, creeping: 1e-3 };
 /// Passes in a row after which it is over where the values have no more to gain than that, whatever start states do, or where
 /// it creeps and gains not half of what the slopes promise: kinks rule.
 const IN_VAIN: usize = 3;
@@ -49,7 +52,8 @@ pub(super) fn descend(gauge: &Gauge<'_>, start: Point, count: usize, goal: Goal)
     let mut damping = 1e-6;
     let mut compasses = COMPASSES;
     let mut in_vain = 0;
-    for _ in 0..goal.passes {
+    let memory = gauge.problem.machine(&point.active).remembers();
+    for _ in 0..if memory { PASSES_WITH_MEMORY } else { PASSES } {
         let before = point.loss();
         let slopes = gauge.slopes(&point, true)?;
         let (normal, gradient) = sums(&slopes, count);
