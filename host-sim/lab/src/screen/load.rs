@@ -156,7 +156,7 @@ impl Bounce {
         let half_gap = self.shaft.half_gap;
         let stretch = rotor.q - state.x;
         let end = rotor.at(span).0;
-        let touched = if stretch.abs() > half_gap {
+        let whole = if stretch.abs() > half_gap {
             // In contact the load hangs on a rotor that is half the gap nearer.
             let shift = half_gap.copysign(stretch);
             let mut next = State { x: state.x + shift, v: state.v };
@@ -167,7 +167,7 @@ impl Bounce {
             let next = State { x: state.x + state.v * span, v: state.v };
             ((end - next.x).abs() <= half_gap).then_some((next, 0.0))
         };
-        match touched {
+        match whole {
             Some((next, change)) => {
                 *state = next;
                 change

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::load::{Pull, pull};
 use super::motion::Motion;
-use super::waves::{Bend, Waves};
+use super::waves::{ErrorWave, Waves};
 use super::{balance, weak};
 use crate::effects::{Effect, Load, Physics, Range};
 
@@ -88,7 +88,7 @@ pub(crate) struct Parts {
     external: Arc<Vec<Vec<f64>>>,
     waves: Waves,
     /// Of an error of the position sensor.
-    bend: Option<Bend>,
+    error_wave: Option<ErrorWave>,
     /// What a flexible load takes, and the inertia that stays with the rotor.
     load: Option<(Arc<Vec<Pull>>, f64)>,
 }
@@ -165,10 +165,9 @@ impl Problem {
             Arc::new(self.motions.iter().enumerate().map(|(index, motion)| part(index, motion)).collect())
         };
         let waves = Waves::of(physics, &self.motions, known.map(|known| &known.waves));
-        let bend = physics
-            .eccentricity
-            .as_ref()
-            .map(|error| Bend::of(error, &self.motions, &self.equations, known.and_then(|known| known.bend.as_ref())));
+        let error_wave = physics.eccentricity.as_ref().map(|error| {
+            ErrorWave::of(error, &self.motions, &self.equations, known.and_then(|known| known.error_wave.as_ref()))
+        });
         let same = |key: fn(&Physics, &Physics) -> bool| known.filter(|known| key(&known.physics, physics));
         let mut parts = Parts {
             drive: same(same_drive).map_or_else(|| each(&|_, m| balance::drive(physics, m)), |k| Arc::clone(&k.drive)),
@@ -181,7 +180,7 @@ impl Problem {
                 |k| Arc::clone(&k.external),
             ),
             waves,
-            bend,
+            error_wave,
             load: None,
             physics: physics.clone(),
         };
@@ -229,8 +228,8 @@ impl Problem {
             .iter()
             .enumerate()
             .map(|(index, equation)| {
-                let error = parts.bend.as_ref().zip(physics.eccentricity.as_ref());
-                let bent = error.map_or(0.0, |(bend, error)| bend.acceleration(error, index));
+                let error = parts.error_wave.as_ref().zip(physics.eccentricity.as_ref());
+                let bent = error.map_or(0.0, |(wave, error)| wave.acceleration(error, index));
                 let acceleration = equation.acceleration - bent;
                 let residual = nominal * (acceleration - equation.row.mean(&cells[equation.recording]) / inertia);
                 let corrected = parts.load.as_ref().map(|(pulls, _)| &pulls[equation.recording].corrected);

@@ -67,12 +67,12 @@ impl Waves {
 
 /// Mean accelerations of a sine and a cosine of the measured position in each equation.
 #[derive(Debug, Clone)]
-pub(crate) struct Bend {
+pub(crate) struct ErrorWave {
     order: f64,
     accelerations: Arc<Vec<(f64, f64)>>,
 }
 
-impl Bend {
+impl ErrorWave {
     /// For the order of a harmonic; what is known already is taken over.
     pub(crate) fn of(error: &Harmonic, motions: &[Motion], equations: &[Equation], known: Option<&Self>) -> Self {
         if let Some(known) = known.filter(|known| known.order == error.order) {
