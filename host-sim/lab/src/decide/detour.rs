@@ -4,8 +4,8 @@
 //! is not there may predict better than both. The search takes one way; from another first step it may come to the end.
 
 use super::Request;
-use crate::read::AxisKind;
-use crate::screen::{Outcome, Problem, Refitter, Search};
+use super::prepare::searcher;
+use crate::screen::{Outcome, Problem, Refitter};
 
 /// A model that leaves less than this many times the noise, in mean squares, is an end.
 const AN_END: f64 = 3.0;
@@ -20,13 +20,12 @@ pub(super) fn detour(request: &Request<'_>, problem: &Problem, first: Outcome) -
     if at_an_end(&first) {
         return first;
     }
-    let search = || Search::new(problem, request.vocabulary, request.machine.axis.kind == AxisKind::Linear);
-    let mut ways = search().first_step();
+    let mut ways = searcher(request, problem).first_step();
     ways.retain(|way| !first.fit.active.iter().any(|entry| entry.effect == way.effect) && !way.effect.is_event());
     ways.sort_by(|a, b| a.fit.sse.total_cmp(&b.fit.sse));
     let mut best = first;
     for way in ways.iter().take(WAYS) {
-        let other = search().run(&way.fit.active);
+        let other = searcher(request, problem).run(&way.fit.active);
         if leaves_less(problem, &other, &best) {
             best = other;
         }

@@ -81,7 +81,7 @@ pub(super) fn search(request: &Request<'_>, nominal: &Physics, stages: &mut Stag
         problem = self::problem(request, &recordings, nominal);
     }
     stages.done("prepare");
-    let outcome = detour(request, &problem, run(request, &problem, &[]));
+    let outcome = detour(request, &problem, searcher(request, &problem).run(&[]));
     stages.done("search");
     again(
         request,
@@ -99,9 +99,9 @@ fn problem(request: &Request<'_>, recordings: &[Recording], nominal: &Physics) -
     Problem::new(motions, request.recordings.len(), nominal.clone())
 }
 
-fn run(request: &Request<'_>, problem: &Problem, start: &[Active]) -> Outcome {
-    let linear = request.machine.axis.kind == AxisKind::Linear;
-    Search::new(problem, request.vocabulary, linear).run(start)
+/// A search over a problem for what the request allows to name.
+pub(super) fn searcher<'a>(request: &'a Request<'_>, problem: &'a Problem) -> Search<'a> {
+    Search::new(problem, request.vocabulary, request.machine.axis.kind == AxisKind::Linear)
 }
 
 fn again(request: &Request<'_>, first: Searched, nominal: &Physics, stages: &mut Stages) -> Searched {
@@ -114,7 +114,7 @@ fn again(request: &Request<'_>, first: Searched, nominal: &Physics, stages: &mut
     let motions = first.problem.motions.par_iter().enumerate().map(|(index, m)| m.again(&found, index, resolution));
     let problem = Problem::new(motions.collect(), request.recordings.len(), nominal.clone());
     stages.done("prepare");
-    let outcome = run(request, &problem, active);
+    let outcome = searcher(request, &problem).run(active);
     stages.done("search");
     Searched { problem, outcome, ..first }
 }

@@ -53,7 +53,8 @@ pub(super) fn descend(gauge: &Gauge<'_>, start: Point, count: usize, goal: Goal)
     let mut compasses = COMPASSES;
     let mut in_vain = 0;
     let memory = gauge.problem.machine(&point.active).remembers();
-    for _ in 0..if memory { PASSES_WITH_MEMORY } else { PASSES } {
+    let passes = if memory { PASSES_WITH_MEMORY } else { PASSES };
+    for _ in 0..passes {
         let before = point.loss();
         let slopes = gauge.slopes(&point, true)?;
         let (normal, gradient) = sums(&slopes, count);
@@ -73,8 +74,7 @@ pub(super) fn descend(gauge: &Gauge<'_>, start: Point, count: usize, goal: Goal)
         let done = promised < goal.gain;
         in_vain = if done || creeping && gain < 0.5 * promised { in_vain + 1 } else { 0 };
         if gain < goal.gain || creeping && done || in_vain == IN_VAIN {
-            let freedom: f64 = gauge.tracks.spans.iter().map(|span| span.freedom()).sum();
-            if point.loss() < MUCH * freedom || compasses == 0 {
+            if point.loss() < MUCH * gauge.tracks.freedom() || compasses == 0 {
                 break;
             }
             compasses -= 1;

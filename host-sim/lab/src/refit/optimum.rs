@@ -149,7 +149,7 @@ impl TimeFit {
             start_sse,
             heldout: (0..total).map(predicted).collect(),
             blocks,
-            freedom: spans.iter().map(|span| span.freedom()).sum(),
+            freedom: gauge.tracks.freedom(),
             far: point.shots.iter().filter(|shot| shot.weight < 1.0).count() as f64 / spans.len().max(1) as f64,
             losses: point.shots.iter().map(|shot| shot.loss).collect(),
             active: point.active,

@@ -109,6 +109,11 @@ impl Tracks {
         Self { tracks, spans }
     }
 
+    /// Rows of all windows less the start states: what noise alone would leave.
+    pub(super) fn freedom(&self) -> f64 {
+        self.spans.iter().map(Span::freedom).sum()
+    }
+
     /// New weights.
     pub(super) fn weigh(&mut self, noise: &[Noise]) {
         let tracks = &self.tracks;

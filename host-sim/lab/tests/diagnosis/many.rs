@@ -69,7 +69,7 @@ fn clean_recordings_are_none() {
 }
 
 #[test]
-#[ignore = "all 51 recordings"]
+#[ignore = "all 51 recordings, minutes: cargo test --release -p lab --test diagnosis many -- --ignored --nocapture"]
 fn fifty_clean_recordings_are_none() {
     clean(200..217);
 }
@@ -97,7 +97,7 @@ fn each_fifth_pair_is_found_exactly() {
 }
 
 #[test]
-#[ignore = "all ten pairs"]
+#[ignore = "all ten pairs, minutes: cargo test --release -p lab --test diagnosis many -- --ignored --nocapture"]
 fn ten_pairs_are_found_exactly() {
     pairs(1);
 }
@@ -123,7 +123,7 @@ fn what_may_not_be_named_is_not_named_otherwise() {
 }
 
 #[test]
-#[ignore = "all effects"]
+#[ignore = "all effects, minutes: cargo test --release -p lab --test diagnosis many -- --ignored --nocapture"]
 fn no_effect_that_may_not_be_named_is_named_otherwise() {
     removed(1);
 }
@@ -200,7 +200,7 @@ fn one_slow_sine_names_nothing_wrongly() {
 }
 
 #[test]
-#[ignore = "all of them"]
+#[ignore = "all of them, minutes: cargo test --release -p lab --test diagnosis many -- --ignored --nocapture"]
 fn one_slow_sine_names_none_wrongly() {
     slow_sine(1);
 }

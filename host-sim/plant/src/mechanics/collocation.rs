@@ -1,9 +1,10 @@
 //! One step of Gauss collocation with four nodes: order eight, for second-order equations.
 //!
 //! The accelerations at the four Gauss-Legendre nodes are found by fixed-point iteration in which each node takes what the
-//! ones before it have just found (Gauss-Seidel); positions and speeds follow from them by exact integration of their interpolating polynomial. What acts on the rotor is a formula of time and is
-//! evaluated once a node, however many iterations it takes. Hairer, Norsett, Wanner, Solving Ordinary Differential
-//! Equations I, section II.7 (Kuntzmann and Butcher).
+//! ones before it have just found (Gauss-Seidel); positions and speeds follow from them by exact integration of their
+//! interpolating polynomial. What acts on the rotor is a formula of time and is evaluated once a node, however many
+//! iterations it takes. Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, section II.7 (Kuntzmann and
+//! Butcher).
 
 /// Nodes of a step.
 pub(crate) const NODES: usize = 4;

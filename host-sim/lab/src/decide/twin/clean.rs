@@ -6,10 +6,11 @@ use super::{Noise, Path, twin};
 use crate::Error;
 use crate::decide::Request;
 use crate::decide::confirmed::missed;
+use crate::decide::prepare::searcher;
 use crate::effects::Physics;
-use crate::read::{AxisKind, Recording};
+use crate::read::Recording;
 use crate::refit::TimeFit;
-use crate::screen::{Motion, Problem, Search, Trial};
+use crate::screen::{Motion, Problem, Trial};
 
 /// So many of the best phantoms are asked for in the time domain, and those that the answer names.
 const CONFIRMED: usize = 2;
@@ -45,8 +46,7 @@ pub fn falsely_found(
     if problem.equations.is_empty() {
         return Ok(Vec::new());
     }
-    let linear = request.machine.axis.kind == AxisKind::Linear;
-    let accepted = Search::new(&problem, request.vocabulary, linear).first_step();
+    let accepted = searcher(request, &problem).first_step();
     let asked =
         accepted.iter().enumerate().filter(|(rank, trial)| *rank < CONFIRMED || answered.contains(&trial.effect.id));
     let asked: Vec<&Trial> = asked.map(|(_, trial)| trial).collect();
