@@ -2,7 +2,7 @@
 
 use super::checks::self_checks;
 use super::closest::closest;
-use super::coincidence::{bent, coincidences, may_be_no_gap};
+use super::coincidence::{bent, coincidences, flat, may_be_no_gap};
 use super::confirmed::confirm;
 use super::controller::mismatch;
 use super::equivalents::contested;
@@ -175,6 +175,7 @@ fn judge(
     stages.done("windows");
     let mut reasons = coincidences(problem, &answer.effects, improved, (request.vocabulary, axis));
     reasons.extend(bent(problem, &searched.outcome));
+    reasons.extend(flat(problem, &searched.outcome, &answer.effects));
     reasons.extend(at_bound(&searched.outcome.fit.active, &refined.active));
     if answer.verdict != Verdict::Controller {
         answer.verdict = verdict(searched, answer, &left, &twins, &reasons);

@@ -6,10 +6,12 @@
 //! or is no effect of the vocabulary at all, values that agree by chance are no explanation.
 
 mod curve;
+mod flat;
 mod nothing;
 mod shape;
 
 pub(super) use curve::bent;
+pub(super) use flat::flat;
 
 use super::checks::neutral;
 use crate::effects::{Effect, Physics, find};
