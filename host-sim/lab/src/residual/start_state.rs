@@ -12,6 +12,8 @@ const TRIALS: usize = 16;
 const SETTLED: f64 = 1e-4;
 /// Two descents that end with sums of squares this near each other are believed.
 const ALIKE: f64 = 1e-3;
+/// Positions are mostly off by one distance where this share of their squares is that of their mean.
+const MOSTLY: f64 = 0.5;
 /// Rows on either side of the start from which the first guess of its speed is taken.
 const NEIGHBOURS: usize = 6;
 
@@ -33,14 +35,21 @@ impl StartState<'_> {
     /// The best state at the first row, and the positions the model has from it, rad (m).
     ///
     /// `speed_guess` comes from around the start. From there, from the mean motion and from rest: a model that sticks has no
-    /// slope to follow from one to the other. Nor has a load in its gap from one side to the other.
+    /// slope to follow from one to the other. Nor has a load in its gap from one side to the other: two ways that end alike are
+    /// believed, so the second begins with another load too.
     pub(super) fn estimate(&self, speed_guess: f64) -> Result<(State, Vec<f64>), Error> {
         let (first, slope) = line(self.t_s, self.measured);
         let mean = self.measured.iter().sum::<f64>() / self.measured.len() as f64;
-        let near = [self.measured[0], speed_guess];
-        let rotors = [near, [mean, 0.0], [first, slope]];
-        let mut guesses = rotors.map(|rotor| self.unknowns.pack(rotor, &self.inside)).to_vec();
-        guesses.extend(self.unknowns.touching(near, self.inside));
+        let (near, rest, mean_motion) = ([self.measured[0], speed_guess], [mean, 0.0], [first, slope]);
+        let free = State::default();
+        let pack = |rotor, inside| self.unknowns.pack(rotor, inside);
+        let mut guesses = [near, rest, mean_motion].map(|rotor| pack(rotor, &self.inside)).to_vec();
+        let sides = self.unknowns.touching(near, self.inside);
+        if !sides.is_empty() {
+            guesses.insert(1, pack(mean_motion, &free));
+            guesses.insert(3, pack(near, &free));
+            guesses.extend(sides);
+        }
         let mut best: Option<Descent> = None;
         for guess in guesses {
             let descent = self.descend(guess)?;
@@ -53,7 +62,7 @@ impl StartState<'_> {
                 break;
             }
         }
-        let best = best.map_or_else(|| self.at(self.unknowns.pack([first, slope], &self.inside)), Ok)?;
+        let best = best.map_or_else(|| self.at(pack(mean_motion, &self.inside)), Ok)?;
         Ok((self.unknowns.unpack(&best.at), best.simulated))
     }
 
@@ -63,7 +72,7 @@ impl StartState<'_> {
         let travel = self.measured.iter().fold(0.0_f64, |most, p| most.max((p - self.measured[0]).abs()));
         let stays = DVector::from_vec(self.unknowns.stays(span_s, self.t_s.len() as f64));
         let products = |at: &Descent| self.products(at, &self.unknowns.steps(span_s, travel, at.at[1]));
-        let mut best = self.at(guess)?;
+        let mut best = self.moved_onto(self.at(guess)?)?;
         let (mut normal, mut right) = products(&best)?;
         let mut damping = 1e-9;
         for _ in 0..TRIALS {
@@ -85,6 +94,20 @@ impl StartState<'_> {
             }
         }
         Ok(best)
+    }
+
+    /// The same start further along where that leaves less: a sensor that errs with the angle shows the rotor aside, and a
+    /// slope taken there while the rotor sticks would be followed far away.
+    fn moved_onto(&self, start: Descent) -> Result<Descent, Error> {
+        let rows = self.measured.len() as f64;
+        let aside = self.measured.iter().zip(&start.simulated).map(|(m, s)| m - s).sum::<f64>() / rows;
+        if rows * aside * aside < MOSTLY * start.cost {
+            return Ok(start);
+        }
+        let mut at = start.at.clone();
+        at[0] += aside;
+        let moved = self.at(at)?;
+        Ok(if moved.cost < start.cost { moved } else { start })
     }
 
     /// Derivatives by derivatives, and derivatives by what is left; those by the position are taken as 1.

@@ -285,6 +285,10 @@ fn widened(t_s: &[f64], marked: &[bool]) -> Vec<bool> {
     wide
 }
 
+/// A step of the acceleration two thirds of a sample before or after a row moves it off the cubic through its neighbours by
+/// 1/9 of the step times the period squared, and by less anywhere else; twice that, for a step that comes with another.
+const IN_STENCIL: f64 = 2.0 / 9.0;
+
 /// Replaces isolated wrong samples by the cubic through their neighbours.
 fn repair(recording: &Recording, nominal: &Physics, resolution: f64, period_s: f64) -> (Vec<f64>, Vec<Glitch>) {
     let t_s = &recording.t_s;
@@ -299,7 +303,7 @@ fn repair(recording: &Recording, nominal: &Physics, resolution: f64, period_s: f
     let typical = spread[spread.len() / 2];
     // What the largest possible change of acceleration does within the stencil is no glitch.
     let peak = recording.effort_cmd.iter().fold(0.0_f64, |peak, u| peak.max(u.abs()));
-    let jerk = 2.0 * peak / nominal.inertia * period_s * period_s;
+    let jerk = IN_STENCIL * 2.0 * peak / nominal.inertia * period_s * period_s;
     let allowed = (12.0 * typical).max(4.0 * resolution) + jerk;
     let mut glitches = Vec::new();
     let mut row = 2;
