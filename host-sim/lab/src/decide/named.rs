@@ -76,7 +76,7 @@ fn values(searched: &Searched, refined: &Refined, index: usize, axis: AxisKind) 
     if entry.effect.is_gap() && refined.time.is_some() {
         // The filter that carries a load through the torque balance takes in part of what wrong values do.
         values.iter_mut().zip(CONTACT).for_each(|((value, half), share)| *half = half.hypot(share * *value));
-    } else {
+    } else if !entry.effect.is_event() {
         let weak = (entry.effect.report)(&entry.values);
         names.iter().zip(&mut values).zip(weak).for_each(|((name, value), weak)| *value = widened(name, *value, weak));
     }
@@ -84,7 +84,7 @@ fn values(searched: &Searched, refined: &Refined, index: usize, axis: AxisKind) 
     if let Some((_, spans)) = refined.spans.as_ref().filter(|(at, _)| *at == index) {
         wider(&mut parameters, spans);
     }
-    if let Some(reach) = searched.shown(entry).and_then(|shown| shown.reach) {
+    if let Some(reach) = simulated::reach(searched, refined, index) {
         wider(&mut parameters, &reach);
     }
     within_bounds(&refined.active[index], &mut parameters);

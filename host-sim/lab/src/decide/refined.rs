@@ -2,11 +2,14 @@
 
 use super::intervals::{Block, Covariance};
 use crate::read::Recording;
-use crate::refit::TimeFit;
+use crate::refit::{Event, Probe, TimeFit};
 use crate::screen::{Active, Fit, Problem};
 
 /// Share of windows far beyond the noise with which the time domain is no better witness than the weak form.
 const FAR: f64 = 0.3;
+
+/// A push is moved so often at most.
+const MOVES: usize = 3;
 
 /// The effects of the answer with the values that are reported.
 #[derive(Debug, Clone)]
@@ -41,7 +44,8 @@ impl Refined {
         if fit.active.is_empty() {
             return weak();
         }
-        match TimeFit::new(problem, recordings, &fit.active, resolution) {
+        let simulated = TimeFit::new(problem, recordings, &fit.active, resolution);
+        match simulated.map(|time| elsewhere(problem, recordings, time)) {
             Ok(time) if time.far <= FAR && time.sse <= time.start_sse && informed(&time, fit, problem) => {
                 Self { active: time.active.clone(), covariance: covariance(&time), time: Some(time), spans: None }
             }
@@ -60,6 +64,30 @@ impl Refined {
             }
         }
     }
+}
+
+/// The fit from where each of its pushes leaves less, as long as that helps.
+fn elsewhere(problem: &Problem, recordings: &[Recording], time: TimeFit) -> TimeFit {
+    let mut best = time;
+    for index in 0..best.active.len() {
+        if !best.active[index].effect.is_event() {
+            continue;
+        }
+        for _ in 0..MOVES {
+            let mut active = best.active.clone();
+            let push = active.remove(index);
+            let event = Event::of(&push);
+            active.push(push);
+            let Some(mut moved) = Probe::around(problem, recordings, &best, &event).elsewhere(&active) else { break };
+            let Some(push) = moved.pop() else { break };
+            moved.insert(index, push);
+            match best.rival(problem, recordings, &moved) {
+                Ok(fit) if fit.sse < best.sse => best = fit,
+                _ => break,
+            }
+        }
+    }
+    best
 }
 
 /// Whether the simulated windows tell every value: a friction that would drive is clipped by the plant, and its slope is

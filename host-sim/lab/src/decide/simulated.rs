@@ -30,9 +30,6 @@ pub(super) struct Shown {
     pub active: Vec<Active>,
     /// Best first.
     pub alike: Vec<&'static Effect>,
-    /// Of a push: earliest and latest start, shortest and longest duration that simulation allows, s. A rotor that holds
-    /// does not show when a push began.
-    pub reach: Option<[(f64, f64); 2]>,
 }
 
 impl Shown {
@@ -75,8 +72,7 @@ pub(super) fn shown(request: &Request<'_>, searched: &Searched, refined: &Refine
     }
     let last = |fit: &TimeFit| fit.active.last().map(|entry| entry.effect);
     let alike = fits.iter().skip(1).filter(|fit| !is_worse(fit, best)).filter_map(last).collect();
-    let reach = probe.reach(&best.active);
-    Some(Shown { active: best.active.clone(), alike, reach })
+    Some(Shown { active: best.active.clone(), alike })
 }
 
 /// What each effect leaves of the far windows from its best start, with the effects it is on top of.
@@ -153,6 +149,20 @@ fn hold(searched: &Searched, machine: &Physics, event: &Event) -> f64 {
         .map_or(0.0, |field| field[from..=to].iter().fold(f64::INFINITY, |least, e| least.min(*e)));
     let fluid = machine.damper.as_ref().map_or(0.0, |damper| damper.scale * (damper.a * field + damper.b) * field);
     machine.coulomb + fluid.max(0.0)
+}
+
+/// Of a push: earliest and latest start, shortest and longest duration that simulation allows, s. A rotor that holds does
+/// not show when a push began.
+pub(super) fn reach(searched: &Searched, refined: &Refined, index: usize) -> Option<[(f64, f64); 2]> {
+    let mut active = refined.active.clone();
+    let push = active.remove(index);
+    if !push.effect.is_event() {
+        return None;
+    }
+    let event = Event::of(&push);
+    active.push(push);
+    let time = refined.time.as_ref()?;
+    Probe::around(&searched.problem, searched.fitted(), time, &event).reach(&active)
 }
 
 /// Evidence of an effect that the torque balance does not show, from simulation; none where it was not refitted there.

@@ -52,6 +52,14 @@ pub struct Event {
     pub end_s: f64,
 }
 
+impl Event {
+    /// The time of a push.
+    pub fn of(push: &Active) -> Self {
+        let (recording, start_s) = (push.values[0] as usize, push.values[1]);
+        Self { recording, start_s, end_s: start_s + push.values[2] }
+    }
+}
+
 impl<'a> Probe<'a> {
     /// Of the windows that `fit` leaves far; none where there are few.
     pub fn new(problem: &'a Problem, recordings: &[Recording], fit: &TimeFit) -> Option<Self> {
@@ -92,6 +100,19 @@ impl<'a> Probe<'a> {
         Self { gauge: Gauge { problem, tracks }, events: Vec::new() }
     }
 
+    /// Of the windows of `fit` that a push may reach, as far as one is felt out.
+    pub fn around(problem: &'a Problem, recordings: &[Recording], fit: &TimeFit, event: &Event) -> Self {
+        let mut gauge = fit.gauge(problem, recordings);
+        let Tracks { tracks, spans } = &mut gauge.tracks;
+        let far_s = STEP_S * f64::from(STEPS);
+        spans.retain(|span| {
+            let t_s = &tracks[span.track].t_s;
+            let (first_s, last_s) = (t_s[span.start], t_s[span.end - 1]);
+            span.track == event.recording && last_s > event.start_s - far_s && first_s < event.end_s + far_s
+        });
+        Self { gauge, events: Vec::new() }
+    }
+
     /// What values leave of these windows; none where the plant refuses them.
     pub fn loss(&self, active: &[Active]) -> Option<f64> {
         let point = self.gauge.first(active).and_then(|first| self.gauge.settled(first, 2)).ok()?;
@@ -125,26 +146,45 @@ impl<'a> Probe<'a> {
 }
 
 impl Probe<'_> {
+    /// The same where the last effect, a push, leaves less of these windows when it begins or ends at another time: a rotor
+    /// that holds for a part of the push has no slope to follow there. None where it is best as it is.
+    pub fn elsewhere(&self, active: &[Active]) -> Option<Vec<Active>> {
+        let last = active.last().filter(|entry| entry.effect.is_event())?;
+        let (start_s, duration_s, amplitude) = (last.values[1], last.values[2], last.values[3]);
+        let least = self.loss(active)?;
+        let times = (1..=STEPS).map(|step| f64::from(step) * STEP_S).flat_map(|step| {
+            let starts = [(start_s - step, duration_s + step), (start_s + step, duration_s - step)];
+            let ends = [(start_s, duration_s + step), (start_s, duration_s - step)];
+            starts.into_iter().chain(ends).filter(|&(_, for_s)| for_s > 0.0)
+        });
+        let tried = times.collect::<Vec<_>>().into_par_iter().filter_map(|(from_s, for_s)| {
+            let moved = pushed(active, [from_s, for_s, amplitude]);
+            Some((self.loss(&moved)?, moved))
+        });
+        let best = tried.min_by(|a, b| a.0.total_cmp(&b.0))?;
+        (best.0 < least - LIKELY).then_some(best.1)
+    }
+
     /// Of the last effect, a push: the earliest and latest start (its end kept) and the shortest and longest duration (its
-    /// start kept), s, that leave these windows as they are but for noise. None for another effect.
+    /// start kept), s, that leave these windows as they are but for noise, with the push as strong or with its impulse kept.
+    /// None for another effect.
     pub fn reach(&self, active: &[Active]) -> Option<[(f64, f64); 2]> {
         let last = active.last().filter(|entry| entry.effect.is_event())?;
-        let (start_s, duration_s) = (last.values[1], last.values[2]);
+        let (start_s, duration_s, amplitude) = (last.values[1], last.values[2], last.values[3]);
         let least = self.loss(active)?;
-        let allowed = |start_s: f64, duration_s: f64| {
-            let mut moved = active.to_vec();
-            if let Some(entry) = moved.last_mut() {
-                (entry.values[1], entry.values[2]) = (start_s, duration_s);
-            }
-            duration_s > 0.0 && self.loss(&moved).is_some_and(|loss| loss < least + LIKELY)
+        let allowed = |from_s: f64, for_s: f64| {
+            let alike = [amplitude, amplitude * duration_s / for_s];
+            let leaves = |size| self.loss(&pushed(active, [from_s, for_s, size])).unwrap_or(f64::INFINITY);
+            for_s > 0.0 && alike.into_iter().any(|size| leaves(size) < least + LIKELY)
         };
+        // Only a refused value is surely outside.
         let farthest = |at: &dyn Fn(f64) -> (f64, f64)| {
-            let steps = (1..=STEPS).map(|step| f64::from(step) * STEP_S);
-            let far = steps.take_while(|&step_s| {
+            let mut steps = (1..=STEPS).map(|step| f64::from(step) * STEP_S);
+            let refused = steps.find(|&step_s| {
                 let (start_s, duration_s) = at(step_s);
-                allowed(start_s, duration_s)
+                !allowed(start_s, duration_s)
             });
-            far.last().unwrap_or(0.0)
+            refused.unwrap_or(STEP_S * f64::from(STEPS))
         };
         let earlier = farthest(&|step| (start_s - step, duration_s + step));
         let later = farthest(&|step| (start_s + step, duration_s - step));
@@ -154,6 +194,15 @@ impl Probe<'_> {
         // The end may move with either.
         Some([start, (duration_s - shorter.max(later), duration_s + longer.max(earlier))])
     }
+}
+
+/// Effects with other values of the last, a push: start, duration, amplitude.
+fn pushed(active: &[Active], values: [f64; 3]) -> Vec<Active> {
+    let mut moved = active.to_vec();
+    if let Some(entry) = moved.last_mut() {
+        entry.values[1..].copy_from_slice(&values);
+    }
+    moved
 }
 
 /// Pushes that an event may be: from its begin or a little later, all along or a part of it, a little or far stronger than
