@@ -14,6 +14,8 @@ const LISTED: usize = 3;
 const NEAR: f64 = 1.5;
 /// So many of them for each effect.
 const SIMULATED: usize = 2;
+/// Simulated, a rival is as good whose fall to the best has no more than this t.
+const AS_GOOD_T: f64 = 0.5;
 /// Mean square of the residual in units of its noise above which it is not noise alone.
 const NOISE: f64 = 2.0;
 /// A rival of an event may leave this share of what the event explains.
@@ -47,11 +49,12 @@ pub(super) fn contested(
                 continue;
             }
             let mut rivals = rivals(&refitter, &searched.outcome.fit, index, request.vocabulary);
-            let found = simulated(searched, &refined, index, &mut rivals);
+            let Simulated { better: found, as_good } = simulated(searched, &refined, index, &mut rivals);
             better = better.or_else(|| found.filter(|_| turn < EXCHANGES));
             let event = searched.outcome.fit.active[index].effect.is_event();
             let most = if event { explains_as_much(&refitter, &searched.outcome.fit, index) } else { f64::INFINITY };
-            rivals.retain(|rival| !worse(&rival.fit, &searched.outcome.fit) && rival.fit.sse <= most);
+            let alike_to = |rival: &Rival| !worse(&rival.fit, &searched.outcome.fit) || as_good.contains(&rival.effect);
+            rivals.retain(|rival| alike_to(rival) && rival.fit.sse <= most);
             alike.push(rivals.into_iter().take(LISTED).map(|rival| rival.effect).collect());
         }
         let Some(active) = better else { return (refined, alike) };
@@ -94,22 +97,28 @@ fn rivals(refitter: &Refitter<'_>, best: &Fit, index: usize, vocabulary: &[&'sta
     found.into_iter().map(|(_, rival)| rival).collect()
 }
 
-/// Simulates the nearest rivals of one effect where the best model itself was: takes those out that are worse, and gives the
-/// effects with the one that is better.
-fn simulated(searched: &Searched, refined: &Refined, index: usize, rivals: &mut Vec<Rival>) -> Option<Vec<Active>> {
+/// What simulation says of rivals.
+#[derive(Default)]
+struct Simulated {
+    /// The effects with the one that is better.
+    better: Option<Vec<Active>>,
+    /// Those that are as good, whatever the torque balance says: a hundredth of its squares may be its own error.
+    as_good: Vec<&'static Effect>,
+}
+
+/// Simulates the nearest rivals of one effect where the best model itself was, and takes those out that are worse.
+fn simulated(searched: &Searched, refined: &Refined, index: usize, rivals: &mut Vec<Rival>) -> Simulated {
     let (problem, best) = (&searched.problem, &searched.outcome.fit);
     // What is left must be noise, or squares are no measure of what is likely.
-    if best.sse > NOISE * best.residual_count() {
-        return None;
-    }
-    let time = refined.time.as_ref().filter(|_| !problem.machine(&best.active).remembers())?;
+    let noise = best.sse <= NOISE * best.residual_count() && !problem.machine(&best.active).remembers();
+    let Some(time) = refined.time.as_ref().filter(|_| noise) else { return Simulated::default() };
     let recordings = searched.fitted();
     let limit = NEAR * best.heldout_sse();
     let mut near: Vec<usize> = (0..rivals.len()).filter(|&rank| rivals[rank].fit.heldout_sse() < limit).collect();
     near.sort_by(|&a, &b| rivals[a].fit.heldout_sse().total_cmp(&rivals[b].fit.heldout_sse()));
     near.truncate(SIMULATED);
     let mut better: Option<TimeFit> = None;
-    let mut dropped = Vec::new();
+    let (mut dropped, mut as_good) = (Vec::new(), Vec::new());
     for rank in near {
         let mut active = time.active.clone();
         active.remove(index);
@@ -118,7 +127,11 @@ fn simulated(searched: &Searched, refined: &Refined, index: usize, rivals: &mut 
             continue;
         }
         let Ok(fit) = time.rival(problem, recordings, &active) else { continue };
-        if fall_t(&fit.heldout, &time.heldout) > WORSE_T {
+        let worse_t = fall_t(&fit.heldout, &time.heldout);
+        if worse_t < AS_GOOD_T {
+            as_good.push(rivals[rank].effect);
+        }
+        if worse_t > WORSE_T {
             dropped.push(rivals[rank].effect);
         } else if fall_t(&time.heldout, &fit.heldout) > WORSE_T
             && fit.sse < better.as_ref().map_or(time.sse, |other| other.sse)
@@ -127,5 +140,5 @@ fn simulated(searched: &Searched, refined: &Refined, index: usize, rivals: &mut 
         }
     }
     rivals.retain(|rival| !dropped.contains(&rival.effect));
-    better.map(|fit| fit.active)
+    Simulated { better: better.map(|fit| fit.active), as_good }
 }
