@@ -2,12 +2,12 @@
 
 use super::checks::self_checks;
 use super::closest::closest;
-use super::coincidence::{bent, coincidences, flat, may_be_no_gap};
+use super::coincidence::{bent, coincidences, flat, may_be_no_gap, spread};
 use super::confirmed::confirm;
 use super::controller::mismatch;
 use super::equivalents::contested;
 use super::fitted::fit_answer;
-use super::named::{effects, rejected};
+use super::named::{effects, rejected, unnamed_glitches};
 use super::prepare::{Searched, search};
 use super::refined::Refined;
 use super::simulated::shown;
@@ -174,7 +174,8 @@ fn judge(
     answer.effects.sort_by(|a, b| b.evidence.heldout_gain.total_cmp(&a.evidence.heldout_gain));
     stages.done("windows");
     let mut reasons = coincidences(problem, &answer.effects, improved, (request.vocabulary, axis));
-    reasons.extend(bent(problem, &searched.outcome));
+    reasons.extend([bent, spread].into_iter().filter_map(|rule| rule(problem, &searched.outcome)));
+    reasons.extend(unnamed_glitches(request, problem).filter(|_| answer.effects.is_empty()));
     reasons.extend(flat(problem, &searched.outcome, &answer.effects));
     reasons.extend(at_bound(&searched.outcome.fit.active, &refined.active));
     if answer.verdict != Verdict::Controller {

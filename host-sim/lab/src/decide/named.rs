@@ -117,13 +117,25 @@ fn within_bounds(entry: &Active, parameters: &mut [Interval]) {
     }
 }
 
-/// Isolated wrong samples, as an effect; a single one is an accident.
+/// Fewer isolated wrong samples are accidents.
+const MANY: usize = 5;
+
+/// In words, that there are isolated wrong samples where they may not be named: a recording that is clean only without them
+/// is not clean.
+pub(super) fn unnamed_glitches(request: &Request<'_>, problem: &Problem) -> Option<String> {
+    let count: usize = problem.motions.iter().map(|motion| motion.glitches.len()).sum();
+    let barred = !request.vocabulary.iter().any(|effect| effect.id == "sensor_glitch");
+    (barred && count >= MANY)
+        .then(|| format!("{count} isolated position samples are wrong, and nothing in the vocabulary makes them so"))
+}
+
+/// Isolated wrong samples, as an effect.
 fn glitches(request: &Request<'_>, problem: &Problem) -> Option<EffectAnswer> {
     let kind = request.vocabulary.iter().find(|effect| effect.id == "sensor_glitch")?;
     let sizes: Vec<f64> =
         problem.motions.iter().flat_map(|m| m.glitches.iter().map(|glitch| glitch.size.abs())).collect();
     let samples: usize = problem.motions.iter().map(|m| m.cells() + 1).sum();
-    if sizes.len() < 5 {
+    if sizes.len() < MANY {
         return None;
     }
     let (count, samples) = (sizes.len() as f64, samples as f64);

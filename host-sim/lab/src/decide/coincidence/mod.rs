@@ -9,9 +9,11 @@ mod curve;
 mod flat;
 mod nothing;
 mod shape;
+mod spread;
 
 pub(super) use curve::bent;
 pub(super) use flat::flat;
+pub(super) use spread::spread;
 
 use super::checks::neutral;
 use crate::effects::{Effect, Physics, find};

@@ -60,18 +60,20 @@ fn cancelling(problem: &Problem, nominal: &Physics, improved: &Physics) -> Optio
 }
 
 /// Waves over position that differ by less than a period in the whole travel are a series for whatever shape it shows, and
-/// so are a spring and a wave that is not passed once. A spring and a weight are the common exception.
+/// so are a constant or a spring and a wave that is not passed once. A spring and a weight are the common exception.
 fn closer_than_resolved(problem: &Problem, nominal: &Physics, improved: &Physics) -> Option<String> {
     let travel = problem.travel();
     let mut cogging: Vec<f64> = added_cogging(nominal, improved).map(|wave| wave.order).collect();
     cogging.sort_by(f64::total_cmp);
-    let spring = (improved.spring != nominal.spring).then_some(0.0);
-    let gravity = improved.gravity.filter(|_| improved.gravity != nominal.gravity).map(|wave| wave.order);
+    let constant = improved.torque_offset != nominal.torque_offset || improved.asymmetry != nominal.asymmetry;
+    let constant = constant.then(|| (0.0, "a constant torque".to_owned()));
+    let spring = (improved.spring != nominal.spring).then(|| (0.0, "a spring".to_owned()));
+    let named = |order: f64| (order, format!("order {order}"));
+    let gravity = improved.gravity.filter(|_| improved.gravity != nominal.gravity).map(|wave| named(wave.order));
     let first = cogging.first().copied();
-    let beside = spring.into_iter().chain(gravity).filter_map(|order| Some((order, first?)));
-    let close = |(low, high): &(f64, f64)| (high - low) * travel < TAU;
-    let (low, high) = beside.chain(cogging.windows(2).map(|pair| (pair[0], pair[1]))).find(close)?;
-    let low = if low == 0.0 { "a spring".to_owned() } else { format!("order {low}") };
+    let beside = [constant, spring, gravity].into_iter().flatten().filter_map(|low| Some((low, first?)));
+    let waves = cogging.windows(2).map(|pair| (named(pair[0]), pair[1]));
+    let ((_, low), high) = beside.chain(waves).find(|((low, _), high)| (high - low) * travel < TAU)?;
     Some(format!(
         "{low} and order {high} over position differ by less than a period in a travel of {travel:.3}: a shape, not its cause"
     ))
@@ -122,6 +124,8 @@ mod tests {
         assert_eq!(found(&weight(2.0)).len(), 1);
         assert_eq!(found(&weight(14.0)), Vec::<String>::new());
         assert_eq!(found(&Physics { spring: 0.2, ..with(&[0.9 * period]) }).len(), 1);
+        assert_eq!(found(&Physics { torque_offset: 0.2, ..with(&[0.9 * period]) }).len(), 1);
+        assert_eq!(found(&Physics { torque_offset: 0.2, ..with(&[1.1 * period]) }), Vec::<String>::new());
     }
 
     #[test]
