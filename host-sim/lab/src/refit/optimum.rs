@@ -196,7 +196,7 @@ mod tests {
     use super::*;
     use crate::effects::{Excitation, Physics, find};
     use crate::read::{Axis, AxisKind, ErNominal, Machine, PlantNominal};
-    use crate::refit::{HORIZON_S, Windows, model};
+    use crate::refit::{Event, HORIZON_S, Probe, Windows, model};
     use crate::screen::Motion;
     use crate::simulate::{Disturbance, Reference, Setup, record, run};
 
@@ -281,6 +281,23 @@ mod tests {
         let found = &fit.active[0].values;
         assert!((found[1] - 1.1).abs() < 2e-3 && (found[2] - 0.1).abs() < 4e-3, "{found:?}");
         assert!((found[3] - 1.5).abs() < 0.1 && fit.sse < 1.1 * fit.freedom, "{fit:?}");
+    }
+
+    #[test]
+    fn a_push_that_is_seen_late_is_moved_to_its_begin() {
+        let recordings = [recorded(&nominal(), &[PUSH])];
+        let problem = problem(&recordings[0]);
+        let push =
+            |start_s: f64, duration_s: f64| vec![active("disturbance_pulse", vec![0.0, start_s, duration_s, 1.5])];
+        let (right, late) = (push(1.1, 0.1), push(1.15, 0.05));
+        let fit = TimeFit::new(&problem, &recordings, &right, RESOLUTION).unwrap();
+        let probe = Probe::around(&problem, &recordings, &fit, &Event::of(&late[0]));
+        let moved = probe.elsewhere(&late).unwrap();
+        assert!((moved[0].values[1] - 1.1).abs() < 2e-3 && (moved[0].values[2] - 0.1).abs() < 2e-3, "{moved:?}");
+        assert_eq!(probe.elsewhere(&fit.active), None);
+        let [start, duration] = probe.reach(&fit.active).unwrap();
+        assert!(start.0 <= 1.1 && 1.1 <= start.1 && duration.0 <= 0.1 && 0.1 <= duration.1, "{start:?} {duration:?}");
+        assert!(start.1 - start.0 < 0.02 && duration.1 - duration.0 < 0.02, "{start:?} {duration:?}");
     }
 
     /// A bristle and a load carry their state from window to window; without it the true machine fits worse than the
