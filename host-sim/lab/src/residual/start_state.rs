@@ -63,6 +63,7 @@ impl StartState<'_> {
             }
         }
         let best = best.map_or_else(|| self.at(pack(mean_motion, &self.inside)), Ok)?;
+        let best = self.mended(best)?;
         Ok((self.unknowns.unpack(&best.at), best.simulated))
     }
 
@@ -72,7 +73,7 @@ impl StartState<'_> {
         let travel = self.measured.iter().fold(0.0_f64, |most, p| most.max((p - self.measured[0]).abs()));
         let stays = DVector::from_vec(self.unknowns.stays(span_s, self.t_s.len() as f64));
         let products = |at: &Descent| self.products(at, &self.unknowns.steps(span_s, travel, at.at[1]));
-        let mut best = self.moved_onto(self.at(guess)?)?;
+        let mut best = self.at(guess)?;
         let (mut normal, mut right) = products(&best)?;
         let mut damping = 1e-9;
         for _ in 0..TRIALS {
@@ -96,18 +97,18 @@ impl StartState<'_> {
         Ok(best)
     }
 
-    /// The same start further along where that leaves less: a sensor that errs with the angle shows the rotor aside, and a
-    /// slope taken there while the rotor sticks would be followed far away.
-    fn moved_onto(&self, start: Descent) -> Result<Descent, Error> {
+    /// A descent again where the best end is off by one distance, which no optimum is: a sensor that errs with the angle shows
+    /// the rotor aside, and a slope of the speed next to nothing, while the rotor sticks, led each way far off.
+    fn mended(&self, best: Descent) -> Result<Descent, Error> {
         let rows = self.measured.len() as f64;
-        let aside = self.measured.iter().zip(&start.simulated).map(|(m, s)| m - s).sum::<f64>() / rows;
-        if rows * aside * aside < MOSTLY * start.cost {
-            return Ok(start);
+        let aside = self.measured.iter().zip(&best.simulated).map(|(m, s)| m - s).sum::<f64>() / rows;
+        if rows * aside * aside < MOSTLY * best.cost {
+            return Ok(best);
         }
-        let mut at = start.at.clone();
-        at[0] += aside;
-        let moved = self.at(at)?;
-        Ok(if moved.cost < start.cost { moved } else { start })
+        let mut guess = best.at.clone();
+        guess[0] += aside;
+        let again = self.descend(guess)?;
+        Ok(if again.cost < best.cost { again } else { best })
     }
 
     /// Derivatives by derivatives, and derivatives by what is left; those by the position are taken as 1.
