@@ -4,7 +4,10 @@
 //! deviation s, its Laplace transform is exp(-m p) (1 + (s p)^2 / 2 - ...): beside the best delay there is the second
 //! derivative of the command, whatever blurs it.
 
-use crate::screen::{MAX_P, MIN_T, Outcome, Problem, drive, f_test, fall_t};
+use nalgebra::DVector;
+
+use crate::effects::Physics;
+use crate::screen::{MAX_P, MIN_T, Motion, Outcome, Problem, drive, f_test, fall_t};
 
 /// The second derivative is taken over steps of this, s: the shortest bumps do not see finer.
 const STEP_S: f64 = 1e-3;
@@ -18,9 +21,9 @@ pub(in crate::decide) fn spread(problem: &Problem, outcome: &Outcome) -> Option<
     let late_s = delay.values[0] - problem.nominal.torque_delay_s;
     let column = bends(problem, outcome);
     let blocks = Blocks::new(problem, &column, fit.residual.as_slice());
-    let share = blocks.solve(blocks.normal, blocks.pull);
+    let share = least(blocks.normal, blocks.pull);
     let spread_s = STEP_S * (2.0 * share).max(0.0).sqrt();
-    let left = &fit.residual + share * nalgebra::DVector::from_vec(column);
+    let left = &fit.residual + share * DVector::from_vec(column);
     let p_value = f_test(problem, fit.sse, &left, (1, fit.freedom() + 1));
     let t = fall_t(&blocks.before(), &blocks.held());
     (late_s > 0.0 && spread_s > OF_THE_DELAY * late_s && p_value < MAX_P && t >= MIN_T).then(|| {
@@ -33,9 +36,9 @@ pub(in crate::decide) fn spread(problem: &Problem, outcome: &Outcome) -> Option<
 /// How each weighted residual changes with the second derivative of the torque of the drive, in units of a step squared.
 fn bends(problem: &Problem, outcome: &Outcome) -> Vec<f64> {
     let machine = problem.machine(&outcome.fit.active);
-    let of = |motion| {
+    let of = |motion: &Motion| {
         let at = |late_s: f64| {
-            let moved = crate::effects::Physics { torque_delay_s: machine.torque_delay_s + late_s, ..machine.clone() };
+            let moved = Physics { torque_delay_s: machine.torque_delay_s + late_s, ..machine.clone() };
             drive(&moved, motion)
         };
         let (early, now, late) = (at(-STEP_S), at(0.0), at(STEP_S));
@@ -45,6 +48,11 @@ fn bends(problem: &Problem, outcome: &Outcome) -> Vec<f64> {
     let scale = -problem.nominal.inertia / machine.inertia;
     let each = problem.equations.iter().zip(&outcome.weights);
     each.map(|(equation, weight)| scale * weight * equation.row.mean(&cells[equation.recording])).collect()
+}
+
+/// How much of a column leaves least.
+fn least(normal: f64, pull: f64) -> f64 {
+    if normal > 0.0 { -pull / normal } else { 0.0 }
 }
 
 /// One column beside a residual: sums over each block of recordings to fit, and over all.
@@ -69,10 +77,6 @@ impl Blocks {
         Self { normal: total(1), pull: total(2), each }
     }
 
-    fn solve(&self, normal: f64, pull: f64) -> f64 {
-        if normal > 0.0 { -pull / normal } else { 0.0 }
-    }
-
     fn before(&self) -> Vec<f64> {
         self.each.iter().map(|sums| sums[0]).collect()
     }
@@ -80,7 +84,7 @@ impl Blocks {
     /// Squares of each block with a share of the column that is fitted to the others.
     fn held(&self) -> Vec<f64> {
         let predicted = |[squares, normal, pull]: &[f64; 3]| {
-            let share = self.solve(self.normal - normal, self.pull - pull);
+            let share = least(self.normal - normal, self.pull - pull);
             squares + 2.0 * share * pull + share * share * normal
         };
         self.each.iter().map(predicted).collect()
@@ -93,8 +97,8 @@ mod tests {
     use super::super::tests::nominal;
     use super::*;
     use crate::decide::testing::recording;
-    use crate::effects::{Physics, find};
-    use crate::screen::{Motion, Search};
+    use crate::effects::find;
+    use crate::screen::Search;
 
     fn words(machine: &Physics) -> Option<String> {
         let recorded = recording(machine, 0.05, 5.0, 3);
