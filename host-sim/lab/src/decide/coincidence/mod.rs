@@ -162,12 +162,17 @@ fn late_and_early(effects: &[EffectAnswer], command: &str, nominal_s: Option<f64
     })
 }
 
-/// The balance of torques is fixed up to one scale: all of its terms but one off by the same factor are that one off.
+/// The balance of torques is fixed up to one scale: all of its terms but one off by the same factor are that one off, and
+/// where no term is left that is not, only the drive's limit is another.
 fn one_scale(nominal: &Physics, effects: &[EffectAnswer], barred: &dyn Fn(&str) -> bool) -> Option<String> {
     let terms = ["torque_gain", "inertia", "coulomb_friction", "viscous_friction", "er_strength"];
     let terms = terms.into_iter().filter_map(|id| Some((id, unchanged(nominal, id).filter(|size| *size > 0.0)?)));
     let (changed, same): (Vec<_>, Vec<_>) = terms.partition(|(id, _)| first(effects, id).is_some());
-    let [(single, _)] = same.as_slice() else { return None };
+    let single = match same.as_slice() {
+        [] => "torque_saturation",
+        [(single, _)] => *single,
+        _ => return None,
+    };
     let factors: Vec<Estimate> =
         changed.iter().filter_map(|(id, size)| Some(first(effects, id)?.over(*size))).collect();
     let (one, others) = factors.split_first()?;
@@ -278,5 +283,9 @@ mod tests {
         let one = found(&scaled(1.1), &without("torque_gain"));
         assert!(one.len() == 1 && one[0].contains("1.1000 times"), "{one:?}");
         assert!(found(&scaled(1.2), &without("torque_gain")).is_empty());
+        let all = |factor: f64| [scaled(1.1).as_slice(), &[effect("torque_gain", &[factor])]].concat();
+        assert_eq!(found(&all(1.1), &without("torque_saturation")).len(), 1);
+        assert!(found(&all(1.1), &VOCABULARY).is_empty());
+        assert!(found(&all(1.2), &without("torque_saturation")).is_empty());
     }
 }
