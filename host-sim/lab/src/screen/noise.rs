@@ -61,7 +61,10 @@ fn deviations(problem: &Problem, residual: &[f64]) -> Vec<f64> {
 fn local_deviation(series: &[(f64, f64)]) -> f64 {
     let mut changes: Vec<f64> = series
         .windows(3)
-        .filter(|three| (three[2].0 - three[1].0) < 1.5 * (three[1].0 - three[0].0))
+        .filter(|three| {
+            let (before_s, after_s) = (three[1].0 - three[0].0, three[2].0 - three[1].0);
+            after_s.max(before_s) < 1.5 * after_s.min(before_s)
+        })
         .map(|three| (three[1].1 - 0.5 * (three[0].1 + three[2].1)).abs())
         .collect();
     if changes.len() < 8 {

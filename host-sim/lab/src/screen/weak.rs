@@ -15,6 +15,11 @@ const GAUSS: [(f64, f64); 3] = [
 const AREA: f64 = 256.0 / 315.0;
 /// Rows for one recording and width at most; longer recordings get a wider spacing, so that memory stays bounded.
 const MAX_ROWS: f64 = 2500.0;
+/// Rows are this many half-widths apart,
+const SPACING: f64 = 0.5;
+/// and where they would have to be further apart than this many, they stand in groups of three with that spacing and a wide
+/// one between: what neighbours do not share is noise, and only neighbours tell it.
+const APART: f64 = 0.6;
 
 /// One test function on one recording.
 #[derive(Debug, Clone)]
@@ -80,15 +85,18 @@ fn second_derivative(s: f64) -> f64 {
 pub(crate) fn rows(motion: &Motion, half_width_s: f64, settle_s: f64) -> Vec<Row> {
     let t_s = &motion.t_s;
     let (first_s, last_s) = (t_s[0] + settle_s, t_s[t_s.len() - 1]);
-    let spacing_s = (0.5 * half_width_s).max((last_s - first_s) / MAX_ROWS);
+    let (near_s, even_s) = (SPACING * half_width_s, (last_s - first_s) / MAX_ROWS);
+    let grouped = even_s > APART * half_width_s;
+    let after_s = |number: u32| match grouped {
+        true => f64::from(number / 3 * 3) * even_s + f64::from(number % 3) * near_s,
+        false => f64::from(number) * near_s.max(even_s),
+    };
     let mut rows = Vec::new();
     let mut from = 0;
-    let mut number = 0.0;
-    loop {
-        let centre_s = first_s + half_width_s + number * spacing_s;
-        number += 1.0;
+    for number in 0.. {
+        let centre_s = first_s + half_width_s + after_s(number);
         if centre_s + half_width_s > last_s {
-            return rows;
+            break;
         }
         while t_s[from + 1] <= centre_s - half_width_s {
             from += 1;
@@ -106,6 +114,7 @@ pub(crate) fn rows(motion: &Motion, half_width_s: f64, settle_s: f64) -> Vec<Row
             rows.push(row(t_s, centre_s, half_width_s, from, to));
         }
     }
+    rows
 }
 
 /// The row over cells `from..to`; one sample more on each side feeds the cubic.
