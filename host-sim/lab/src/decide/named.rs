@@ -123,7 +123,7 @@ const MANY: usize = 5;
 /// In words, that there are isolated wrong samples where they may not be named: a recording that is clean only without them
 /// is not clean.
 pub(super) fn unnamed_glitches(request: &Request<'_>, problem: &Problem) -> Option<String> {
-    let count: usize = problem.motions.iter().map(|motion| motion.glitches.len()).sum();
+    let count = problem.wrong_samples().len();
     let barred = !request.vocabulary.iter().any(|effect| effect.id == "sensor_glitch");
     (barred && count >= MANY)
         .then(|| format!("{count} isolated position samples are wrong, and nothing in the vocabulary makes them so"))
@@ -132,8 +132,7 @@ pub(super) fn unnamed_glitches(request: &Request<'_>, problem: &Problem) -> Opti
 /// Isolated wrong samples, as an effect.
 fn glitches(request: &Request<'_>, problem: &Problem) -> Option<EffectAnswer> {
     let kind = request.vocabulary.iter().find(|effect| effect.id == "sensor_glitch")?;
-    let sizes: Vec<f64> =
-        problem.motions.iter().flat_map(|m| m.glitches.iter().map(|glitch| glitch.size.abs())).collect();
+    let sizes = problem.wrong_samples();
     let samples: usize = problem.motions.iter().map(|m| m.cells() + 1).sum();
     if sizes.len() < MANY {
         return None;

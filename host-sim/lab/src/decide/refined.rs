@@ -2,7 +2,7 @@
 
 use super::intervals::{Block, Covariance};
 use crate::read::Recording;
-use crate::refit::{Event, Probe, TimeFit};
+use crate::refit::{Probe, TimeFit};
 use crate::screen::{Active, Fit, Problem};
 
 /// Share of windows far beyond the noise with which the time domain is no better witness than the weak form.
@@ -70,17 +70,9 @@ impl Refined {
 fn elsewhere(problem: &Problem, recordings: &[Recording], time: TimeFit) -> TimeFit {
     let mut best = time;
     for index in 0..best.active.len() {
-        if !best.active[index].effect.is_event() {
-            continue;
-        }
         for _ in 0..MOVES {
-            let mut active = best.active.clone();
-            let push = active.remove(index);
-            let event = Event::of(&push);
-            active.push(push);
-            let Some(mut moved) = Probe::around(problem, recordings, &best, &event).elsewhere(&active) else { break };
-            let Some(push) = moved.pop() else { break };
-            moved.insert(index, push);
+            let around = Probe::around(problem, recordings, &best, index);
+            let Some(moved) = around.and_then(|probe| probe.elsewhere(&best.active, index)) else { break };
             match best.rival(problem, recordings, &moved) {
                 Ok(fit) if fit.sse < best.sse => best = fit,
                 _ => break,

@@ -154,15 +154,8 @@ fn hold(searched: &Searched, machine: &Physics, event: &Event) -> f64 {
 /// Of a push: earliest and latest start, shortest and longest duration that simulation allows, s. A rotor that holds does
 /// not show when a push began.
 pub(super) fn reach(searched: &Searched, refined: &Refined, index: usize) -> Option<[(f64, f64); 2]> {
-    let mut active = refined.active.clone();
-    let push = active.remove(index);
-    if !push.effect.is_event() {
-        return None;
-    }
-    let event = Event::of(&push);
-    active.push(push);
     let time = refined.time.as_ref()?;
-    Probe::around(&searched.problem, searched.fitted(), time, &event).reach(&active)
+    Probe::around(&searched.problem, searched.fitted(), time, index)?.reach(&refined.active, index)
 }
 
 /// Evidence of an effect that the torque balance does not show, from simulation; none where it was not refitted there.

@@ -2,6 +2,7 @@
 
 use std::ffi::OsStr;
 use std::io::Cursor;
+use std::ops::Range;
 use std::path::Path;
 
 use bytes::Bytes;
@@ -161,6 +162,34 @@ impl Recording {
     /// As [`Recording::read`].
     pub fn from_parquet_bytes(file: &Path, bytes: &[u8], expected: Option<AxisKind>) -> Result<Self, Error> {
         parquet_file::read_from(file, Bytes::copy_from_slice(bytes), expected)
+    }
+
+    /// Some of the rows, with the columns that drive a model and what it is compared with; the others of a long recording
+    /// are large.
+    pub(crate) fn driven(&self, rows: Range<usize>) -> Self {
+        fn cut<T: Clone>(values: &Option<Vec<T>>, rows: &Range<usize>) -> Option<Vec<T>> {
+            values.as_ref().map(|values| values[rows.clone()].to_vec())
+        }
+        let inside = self.gaps.iter().filter(|gap| (rows.start..rows.end - 1).contains(*gap));
+        Self {
+            name: self.name.clone(),
+            axis: self.axis,
+            t_s: self.t_s[rows.clone()].to_vec(),
+            position: self.position[rows.clone()].to_vec(),
+            effort_cmd: self.effort_cmd[rows.clone()].to_vec(),
+            reference: None,
+            field_cmd_kv_mm: cut(&self.field_cmd_kv_mm, &rows),
+            mode: cut(&self.mode, &rows),
+            velocity: cut(&self.velocity, &rows),
+            effort_meas: None,
+            field_meas_kv_mm: None,
+            temperature_c: None,
+            seq: None,
+            fault: None,
+            counts: None,
+            gaps: inside.map(|gap| gap - rows.start).collect(),
+            extra: Vec::new(),
+        }
     }
 
     /// Number of rows, at least one.

@@ -4,35 +4,34 @@
 
 use plant::State;
 
-use crate::effects::{Damper, Load, Physics};
-use crate::screen::{Motion, damper};
+use crate::effects::{Load, Physics};
+use crate::screen::{Motion, yield_level};
 
 /// One recording as an observer runs along it.
-#[derive(Debug, Clone)]
-pub(super) struct Observer {
-    motion: Motion,
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Observer<'a> {
+    motion: &'a Motion,
 }
 
-impl Observer {
+impl<'a> Observer<'a> {
     /// Along a smoothed motion.
-    pub(super) fn new(motion: &Motion) -> Self {
-        let mut motion = motion.clone();
-        // The level that the fluid yields at has no direction.
-        motion.cell_sign.fill(1.0);
+    pub(super) fn new(motion: &'a Motion) -> Self {
         Self { motion }
     }
 
     /// The states inside a machine at some rows, in order; position and speed are those of the motion.
     pub(super) fn states(&self, physics: &Physics, rows: &[usize]) -> Vec<State> {
-        let motion = &self.motion;
+        let motion = self.motion;
         let mut states: Vec<State> =
             rows.iter().map(|&row| State::new(motion.smooth[row], motion.speed[row])).collect();
         if physics.presliding.is_finite() {
             let forces = self.dry_bristle(physics);
             states.iter_mut().zip(rows).for_each(|(state, &row)| state.bristle_torque = forces[row]);
         }
-        if let Some(damper) = physics.damper.as_ref().filter(|damper| damper.preyield.is_finite()) {
-            let forces = self.fluid_spring(physics, damper);
+        if physics.damper.as_ref().is_some_and(|damper| damper.preyield.is_finite())
+            && let Some((damper, level)) = yield_level(physics, motion)
+        {
+            let forces = self.fluid_spring(damper.preyield, &level);
             states.iter_mut().zip(rows).for_each(|(state, &row)| state.spring_torque = forces[row]);
         }
         if let Some(load) = physics.load.as_ref().filter(|load| load.inertia_ratio > 0.0) {
@@ -61,14 +60,12 @@ impl Observer {
     }
 
     /// The fluid's spring at the rows, N m (N), limited by the torque of the acting field.
-    fn fluid_spring(&self, physics: &Physics, of: &Damper) -> Vec<f64> {
-        let rigid = Damper { preyield: f64::INFINITY, ..of.clone() };
-        let level = damper(&Physics { damper: Some(rigid), ..physics.clone() }, &self.motion);
+    fn fluid_spring(&self, stiffness: f64, level: &[f64]) -> Vec<f64> {
         let mut force: f64 = 0.0;
         let mut forces = vec![0.0; self.motion.smooth.len()];
         for (cell, pair) in self.motion.smooth.windows(2).enumerate() {
             let limit = level[cell].max(0.0);
-            force = (force.clamp(-limit, limit) + of.preyield * (pair[1] - pair[0])).clamp(-limit, limit);
+            force = (force.clamp(-limit, limit) + stiffness * (pair[1] - pair[0])).clamp(-limit, limit);
             forces[cell + 1] = force;
         }
         forces
@@ -76,7 +73,7 @@ impl Observer {
 
     /// Twist (load minus motor), rad (m), and its rate at the rows. The load moves along at the first row and after gaps.
     fn twists(&self, load: &Load, inertia: f64) -> Vec<(f64, f64)> {
-        let motion = &self.motion;
+        let motion = self.motion;
         let law = Law::new(load, inertia);
         let (mut x, mut v) = (motion.smooth[0], motion.speed[0]);
         let mut twists = vec![(0.0, 0.0); motion.smooth.len()];

@@ -109,13 +109,15 @@ impl TimeFit {
     }
 
     /// Standard deviation of a white torque held over rows of `period_s` that would scatter an inertia, kg m2 (kg), as this
-    /// fit leaves recording number `index`, N m (N).
+    /// fit leaves recording number `index`, N m (N); one that was not fitted is taken to be as noisy as the noisiest that was.
     pub fn torque_noise(&self, index: usize, inertia: f64, period_s: f64) -> f64 {
-        inertia * (self.noise[index].acceleration / period_s).sqrt()
+        let noisiest = || self.noise.iter().map(|noise| noise.acceleration).fold(0.0, f64::max);
+        let acceleration = self.noise.get(index).map_or_else(noisiest, |noise| noise.acceleration);
+        inertia * (acceleration / period_s).sqrt()
     }
 
     /// What evaluates points under the weights of this fit.
-    pub(super) fn gauge<'a>(&self, problem: &'a Problem, recordings: &[Recording]) -> Gauge<'a> {
+    pub(super) fn gauge<'a>(&self, problem: &'a Problem, recordings: &'a [Recording]) -> Gauge<'a> {
         let mut gauge = Gauge { problem, tracks: Tracks::new(problem, recordings) };
         gauge.tracks.weigh(&self.noise);
         gauge
@@ -196,7 +198,7 @@ mod tests {
     use super::*;
     use crate::effects::{Excitation, Physics, find};
     use crate::read::{Axis, AxisKind, ErNominal, Machine, PlantNominal};
-    use crate::refit::{Event, HORIZON_S, Probe, Windows, model};
+    use crate::refit::{HORIZON_S, Probe, Windows, model};
     use crate::screen::Motion;
     use crate::simulate::{Disturbance, Reference, Setup, record, run};
 
@@ -291,11 +293,11 @@ mod tests {
             |start_s: f64, duration_s: f64| vec![active("disturbance_pulse", vec![0.0, start_s, duration_s, 1.5])];
         let (right, late) = (push(1.1, 0.1), push(1.15, 0.05));
         let fit = TimeFit::new(&problem, &recordings, &right, RESOLUTION).unwrap();
-        let probe = Probe::around(&problem, &recordings, &fit, &Event::of(&late[0]));
-        let moved = probe.elsewhere(&late).unwrap();
+        let probe = Probe::around(&problem, &recordings, &fit, 0).unwrap();
+        let moved = probe.elsewhere(&late, 0).unwrap();
         assert!((moved[0].values[1] - 1.1).abs() < 2e-3 && (moved[0].values[2] - 0.1).abs() < 2e-3, "{moved:?}");
-        assert_eq!(probe.elsewhere(&fit.active), None);
-        let [start, duration] = probe.reach(&fit.active).unwrap();
+        assert_eq!(probe.elsewhere(&fit.active, 0), None);
+        let [start, duration] = probe.reach(&fit.active, 0).unwrap();
         assert!(start.0 <= 1.1 && 1.1 <= start.1 && duration.0 <= 0.1 && 0.1 <= duration.1, "{start:?} {duration:?}");
         assert!(start.1 - start.0 < 0.02 && duration.1 - duration.0 < 0.02, "{start:?} {duration:?}");
     }

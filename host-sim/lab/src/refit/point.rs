@@ -83,7 +83,7 @@ impl Slopes {
 #[derive(Debug)]
 pub(super) struct Gauge<'a> {
     pub problem: &'a Problem,
-    pub tracks: Tracks,
+    pub tracks: Tracks<'a>,
 }
 
 impl Gauge<'_> {

@@ -27,8 +27,8 @@ const START_S: f64 = 0.04;
 const LIKELY: f64 = 3.84;
 /// Steps by which a start or an end is moved away, s,
 const STEP_S: f64 = 0.002;
-/// and how many at most.
-const STEPS: u32 = 100;
+/// and how far at most, s.
+const FELT_S: f64 = 0.2;
 /// The search for a push goes on from so many of the best of a grid,
 const DESCENTS: usize = 6;
 /// with so many evaluations each.
@@ -52,17 +52,9 @@ pub struct Event {
     pub end_s: f64,
 }
 
-impl Event {
-    /// The time of a push.
-    pub fn of(push: &Active) -> Self {
-        let (recording, start_s) = (push.values[0] as usize, push.values[1]);
-        Self { recording, start_s, end_s: start_s + push.values[2] }
-    }
-}
-
 impl<'a> Probe<'a> {
     /// Of the windows that `fit` leaves far; none where there are few.
-    pub fn new(problem: &'a Problem, recordings: &[Recording], fit: &TimeFit) -> Option<Self> {
+    pub fn new(problem: &'a Problem, recordings: &'a [Recording], fit: &TimeFit) -> Option<Self> {
         let mut gauge = fit.gauge(problem, recordings);
         let spans = &gauge.tracks.spans;
         let far: Vec<bool> = spans.iter().zip(&fit.losses).map(|(span, loss)| *loss > FAR * span.freedom()).collect();
@@ -89,7 +81,7 @@ impl<'a> Probe<'a> {
 
     /// Of windows spread evenly over the recordings, in units of the sensor's noise: all of them count by their root, so that
     /// none decides alone.
-    pub fn spread(problem: &'a Problem, recordings: &[Recording]) -> Self {
+    pub fn spread(problem: &'a Problem, recordings: &'a [Recording]) -> Self {
         let mut tracks = Tracks::new(problem, recordings);
         let stride = tracks.spans.len().div_ceil(ENOUGH);
         let mut index = 0;
@@ -100,17 +92,20 @@ impl<'a> Probe<'a> {
         Self { gauge: Gauge { problem, tracks }, events: Vec::new() }
     }
 
-    /// Of the windows of `fit` that a push may reach, as far as one is felt out.
-    pub fn around(problem: &'a Problem, recordings: &[Recording], fit: &TimeFit, event: &Event) -> Self {
+    /// Of the windows of `fit` that its effect at `index`, a push, may reach, as far as one is felt out; none for another
+    /// effect.
+    pub fn around(problem: &'a Problem, recordings: &'a [Recording], fit: &TimeFit, index: usize) -> Option<Self> {
+        let push = fit.active.get(index).filter(|entry| entry.effect.is_event())?;
+        let (recording, start_s) = (push.values[0] as usize, push.values[1]);
+        let end_s = start_s + push.values[2];
         let mut gauge = fit.gauge(problem, recordings);
         let Tracks { tracks, spans } = &mut gauge.tracks;
-        let far_s = STEP_S * f64::from(STEPS);
         spans.retain(|span| {
             let t_s = &tracks[span.track].t_s;
             let (first_s, last_s) = (t_s[span.start], t_s[span.end - 1]);
-            span.track == event.recording && last_s > event.start_s - far_s && first_s < event.end_s + far_s
+            span.track == recording && last_s > start_s - FELT_S && first_s < end_s + FELT_S
         });
-        Self { gauge, events: Vec::new() }
+        Some(Self { gauge, events: Vec::new() })
     }
 
     /// What values leave of these windows; none where the plant refuses them.
@@ -146,62 +141,67 @@ impl<'a> Probe<'a> {
 }
 
 impl Probe<'_> {
-    /// The same where the last effect, a push, leaves less of these windows when it begins or ends at another time: a rotor
-    /// that holds for a part of the push has no slope to follow there. None where it is best as it is.
-    pub fn elsewhere(&self, active: &[Active]) -> Option<Vec<Active>> {
-        let last = active.last().filter(|entry| entry.effect.is_event())?;
-        let (start_s, duration_s, amplitude) = (last.values[1], last.values[2], last.values[3]);
+    /// The same where the effect at `index`, a push, leaves less of these windows when it begins or ends at another time: a
+    /// rotor that holds for a part of the push has no slope to follow there. None where it is best as it is.
+    pub fn elsewhere(&self, active: &[Active], index: usize) -> Option<Vec<Active>> {
+        let push = active.get(index).filter(|entry| entry.effect.is_event())?;
         let least = self.loss(active)?;
-        let times = (1..=STEPS).map(|step| f64::from(step) * STEP_S).flat_map(|step| {
-            let starts = [(start_s - step, duration_s + step), (start_s + step, duration_s - step)];
-            let ends = [(start_s, duration_s + step), (start_s, duration_s - step)];
-            starts.into_iter().chain(ends).filter(|&(_, for_s)| for_s > 0.0)
-        });
+        let times = steps().flat_map(|step_s| moves(push, step_s)).filter(|&(_, for_s)| for_s > 0.0);
         let tried = times.collect::<Vec<_>>().into_par_iter().filter_map(|(from_s, for_s)| {
-            let moved = pushed(active, [from_s, for_s, amplitude]);
+            let moved = pushed(active, index, [from_s, for_s, push.values[3]]);
             Some((self.loss(&moved)?, moved))
         });
         let best = tried.min_by(|a, b| a.0.total_cmp(&b.0))?;
         (best.0 < least - LIKELY).then_some(best.1)
     }
 
-    /// Of the last effect, a push: the earliest and latest start (its end kept) and the shortest and longest duration (its
-    /// start kept), s, that leave these windows as they are but for noise, with the push as strong or with its impulse kept.
-    /// None for another effect.
-    pub fn reach(&self, active: &[Active]) -> Option<[(f64, f64); 2]> {
-        let last = active.last().filter(|entry| entry.effect.is_event())?;
-        let (start_s, duration_s, amplitude) = (last.values[1], last.values[2], last.values[3]);
+    /// Of the effect at `index`, a push: the earliest and latest start (its end kept) and the shortest and longest duration
+    /// (its start kept), s, that leave these windows as they are but for noise, with the push as strong or with its impulse
+    /// kept. None for another effect.
+    pub fn reach(&self, active: &[Active], index: usize) -> Option<[(f64, f64); 2]> {
+        let push = active.get(index).filter(|entry| entry.effect.is_event())?;
+        let (start_s, duration_s, amplitude) = (push.values[1], push.values[2], push.values[3]);
         let least = self.loss(active)?;
         let allowed = |from_s: f64, for_s: f64| {
             let alike = [amplitude, amplitude * duration_s / for_s];
-            let leaves = |size| self.loss(&pushed(active, [from_s, for_s, size])).unwrap_or(f64::INFINITY);
+            let leaves = |size| self.loss(&pushed(active, index, [from_s, for_s, size])).unwrap_or(f64::INFINITY);
             for_s > 0.0 && alike.into_iter().any(|size| leaves(size) < least + LIKELY)
         };
         // Only a refused value is surely outside.
-        let farthest = |at: &dyn Fn(f64) -> (f64, f64)| {
-            let mut steps = (1..=STEPS).map(|step| f64::from(step) * STEP_S);
-            let refused = steps.find(|&step_s| {
-                let (start_s, duration_s) = at(step_s);
-                !allowed(start_s, duration_s)
+        let farthest = |which: usize| {
+            let refused = steps().find(|&step_s| {
+                let (from_s, for_s) = moves(push, step_s)[which];
+                !allowed(from_s, for_s)
             });
-            refused.unwrap_or(STEP_S * f64::from(STEPS))
+            refused.unwrap_or(FELT_S)
         };
-        let earlier = farthest(&|step| (start_s - step, duration_s + step));
-        let later = farthest(&|step| (start_s + step, duration_s - step));
-        let longer = farthest(&|step| (start_s, duration_s + step));
-        let shorter = farthest(&|step| (start_s, duration_s - step));
+        let [earlier, later, longer, shorter] = [0, 1, 2, 3].map(farthest);
         let start = (start_s - earlier, start_s + later);
         // The end may move with either.
         Some([start, (duration_s - shorter.max(later), duration_s + longer.max(earlier))])
     }
 }
 
-/// Effects with other values of the last, a push: start, duration, amplitude.
-fn pushed(active: &[Active], values: [f64; 3]) -> Vec<Active> {
+/// How far a start or an end is moved, s.
+fn steps() -> impl Iterator<Item = f64> {
+    (1..=(FELT_S / STEP_S).round() as u32).map(|step| f64::from(step) * STEP_S)
+}
+
+/// Start and duration of a push, s, that begins earlier or later, ends later or earlier.
+fn moves(push: &Active, step_s: f64) -> [(f64, f64); 4] {
+    let (start_s, duration_s) = (push.values[1], push.values[2]);
+    [
+        (start_s - step_s, duration_s + step_s),
+        (start_s + step_s, duration_s - step_s),
+        (start_s, duration_s + step_s),
+        (start_s, duration_s - step_s),
+    ]
+}
+
+/// Effects with other values of the push at `index`: start, duration, amplitude.
+fn pushed(active: &[Active], index: usize, values: [f64; 3]) -> Vec<Active> {
     let mut moved = active.to_vec();
-    if let Some(entry) = moved.last_mut() {
-        entry.values[1..].copy_from_slice(&values);
-    }
+    moved[index].values[1..].copy_from_slice(&values);
     moved
 }
 
@@ -222,7 +222,7 @@ fn grid(event: &Event, level: f64) -> Vec<Pulse> {
 }
 
 /// The runs of far windows with the most excess.
-fn events(tracks: &Tracks, far: &[bool], losses: &[f64]) -> Vec<Event> {
+fn events(tracks: &Tracks<'_>, far: &[bool], losses: &[f64]) -> Vec<Event> {
     let spans = &tracks.spans;
     let mut runs: Vec<(f64, usize, usize)> = Vec::new();
     for index in (0..spans.len()).filter(|&index| far[index]) {

@@ -17,12 +17,12 @@ use crate::screen::{Motion, Problem};
 
 /// One recording.
 #[derive(Debug)]
-pub(super) struct Track {
-    pub t_s: Vec<f64>,
+pub(super) struct Track<'a> {
+    pub t_s: &'a [f64],
     /// Measured positions with glitches repaired, rad (m).
-    pub position: Vec<f64>,
-    commands: Vec<Command>,
-    observer: Observer,
+    pub position: &'a [f64],
+    recording: &'a Recording,
+    observer: Observer<'a>,
 }
 
 /// One window of a recording.
@@ -81,20 +81,20 @@ impl Machine {
 
 /// All windows of all recordings.
 #[derive(Debug)]
-pub(super) struct Tracks {
-    pub tracks: Vec<Track>,
+pub(super) struct Tracks<'a> {
+    pub tracks: Vec<Track<'a>>,
     pub spans: Vec<Span>,
 }
 
-impl Tracks {
+impl<'a> Tracks<'a> {
     /// Windows of the recordings that a problem was built from, weighed as if the noise were that of the sensor alone.
-    pub(super) fn new(problem: &Problem, recordings: &[Recording]) -> Self {
+    pub(super) fn new(problem: &'a Problem, recordings: &'a [Recording]) -> Self {
         let pairs = || recordings.iter().zip(&problem.motions);
         let tracks = pairs()
             .map(|(recording, motion)| Track {
-                t_s: recording.t_s.clone(),
-                position: motion.position.clone(),
-                commands: recorded_commands(recording),
+                t_s: &recording.t_s,
+                position: &motion.position,
+                recording,
                 observer: Observer::new(motion),
             })
             .collect();
@@ -134,9 +134,10 @@ impl Tracks {
             let timeline = match acting {
                 Some(known) => Arc::clone(&known.timeline),
                 None => {
-                    let before = track.commands.first().copied().unwrap_or_default();
+                    let commands = recorded_commands(track.recording);
+                    let before = commands.first().copied().unwrap_or_default();
                     let before = Command { speed_estimate: 0.0, ..before };
-                    Arc::new(Timeline::new(&model, &track.t_s, &track.commands, &before)?)
+                    Arc::new(Timeline::new(&model, track.t_s, &commands, &before)?)
                 }
             };
             let inside = physics.remembers().then(|| {

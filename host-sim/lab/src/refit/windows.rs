@@ -43,7 +43,8 @@ impl Windows {
             let model = model(physics, first + index);
             let inside = if physics.remembers() {
                 let rows: Vec<usize> = (0..recording.t_s.len()).collect();
-                Observer::new(&Motion::new(recording, physics, resolution)).states(physics, &rows)
+                let motion = Motion::new(recording, physics, resolution);
+                Observer::new(&motion).states(physics, &rows)
             } else {
                 Vec::new()
             };

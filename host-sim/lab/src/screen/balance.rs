@@ -33,7 +33,16 @@ pub(crate) fn drive(physics: &Physics, motion: &Motion) -> Vec<f64> {
 
 /// Drag of the damper in each cell, N m (N), signed with the motion.
 pub(crate) fn damper(physics: &Physics, motion: &Motion) -> Vec<f64> {
-    let (Some(damper), Some(field)) = (&physics.damper, &motion.field) else { return vec![0.0; motion.cells()] };
+    let Some((damper, level)) = yield_level(physics, motion) else { return vec![0.0; motion.cells()] };
+    if damper.preyield.is_finite() {
+        return internal::bristle(motion, damper.preyield, &level);
+    }
+    level.iter().zip(&motion.cell_sign).map(|(level, sign)| level * sign).collect()
+}
+
+/// The damper, and the drag in each cell at which its fluid yields, N m (N), without direction; none without a fluid.
+pub(crate) fn yield_level<'a>(physics: &'a Physics, motion: &Motion) -> Option<(&'a Damper, Vec<f64>)> {
+    let (damper, field) = (physics.damper.as_ref()?, motion.field.as_ref()?);
     let mut level = match damper.viscosity {
         None => field_level(damper, motion, field, physics.latency_s),
         Some(viscosity) => viscosity_level(damper, viscosity, motion, field, physics.latency_s),
@@ -41,10 +50,7 @@ pub(crate) fn damper(physics: &Physics, motion: &Motion) -> Vec<f64> {
     for (level, t_s) in level.iter_mut().zip(&motion.t_s) {
         *level *= damper.scale * (1.0 + damper.drift_per_s * t_s).max(0.0);
     }
-    if damper.preyield.is_finite() {
-        return internal::bristle(motion, damper.preyield, &level);
-    }
-    level.iter().zip(&motion.cell_sign).map(|(level, sign)| level * sign).collect()
+    Some((damper, level))
 }
 
 fn field_level(damper: &Damper, motion: &Motion, field: &[f64], latency_s: f64) -> Vec<f64> {

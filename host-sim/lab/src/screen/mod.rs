@@ -20,7 +20,7 @@ mod waves;
 mod weak;
 
 pub(crate) use actuation::{Chain, chain_means};
-pub(crate) use balance::{damper, drive};
+pub(crate) use balance::{damper, drive, yield_level};
 pub(crate) use candidates::orders_of;
 pub use fit::Fit;
 pub(crate) use fit::{bounded_step, moved, places, solve_near};

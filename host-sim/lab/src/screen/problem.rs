@@ -144,6 +144,11 @@ impl Problem {
         self.motions[..self.fitted].iter().map(range).fold(0.0, f64::max)
     }
 
+    /// By how much each isolated wrong sample of all recordings is wrong, without its sign, rad (m).
+    pub(crate) fn wrong_samples(&self) -> Vec<f64> {
+        self.motions.iter().flat_map(|motion| &motion.glitches).map(|glitch| glitch.size.abs()).collect()
+    }
+
     /// The block that a time of a recording belongs to.
     pub(crate) fn block(&self, recording: usize, t_s: f64) -> usize {
         let (first, block_s) = self.spans[recording];
