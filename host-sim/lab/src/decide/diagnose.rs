@@ -170,7 +170,8 @@ fn judge(
     let twins = Twins::of(request, searched, (&diagnosis.improved, refined.time.as_ref()));
     diagnosis.stages.done("twins");
     let Diagnosis { answer, nominal, improved, proposal, stages } = diagnosis;
-    answer.fit = fit_answer(request, searched, (nominal, improved), &mut answer.effects, &twins)?;
+    let (fit, floors) = fit_answer(request, searched, (nominal, improved), &mut answer.effects, &twins)?;
+    answer.fit = fit;
     answer.effects.sort_by(|a, b| b.evidence.heldout_gain.total_cmp(&a.evidence.heldout_gain));
     stages.done("windows");
     let mut reasons = coincidences(problem, &answer.effects, improved, (request.vocabulary, axis));
@@ -179,7 +180,7 @@ fn judge(
     reasons.extend(flat(problem, &searched.outcome, &answer.effects));
     reasons.extend(at_bound(&searched.outcome.fit.active, &refined.active));
     if answer.verdict != Verdict::Controller {
-        answer.verdict = verdict(searched, answer, &left, &twins, &reasons);
+        answer.verdict = verdict(searched, answer, &left, (&twins, &floors), &reasons);
     }
     answer.warnings = notes;
     answer.warnings.extend(reasons);

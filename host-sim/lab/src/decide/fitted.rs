@@ -1,8 +1,10 @@
 //! How well the machine fits, before and after.
 
+use std::borrow::Cow;
+
 use super::Request;
 use super::prepare::Searched;
-use super::twin::Twins;
+use super::twin::{Above, Twins};
 use crate::Error;
 use crate::effects::Physics;
 use crate::read::{AxisKind, Recording};
@@ -13,36 +15,49 @@ use crate::screen::Fit;
 /// The effect that is samples left out.
 const GLITCH: &str = "sensor_glitch";
 
+/// What the improved machine leaves of the windows against what noise alone would; none where no twin could be made.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Floors {
+    /// Of what was fitted.
+    pub fitted: Option<Above>,
+    /// Of what was held out.
+    pub held_out: Option<Above>,
+}
+
 /// Windows of the nominal and the improved machine; without held-out recordings their share is that of blocks left out.
 /// Isolated wrong samples count against the nominal machine where `effects` name them, and are left out everywhere else.
 /// The evidence of that one effect, which no fit has, is given to it here.
 ///
 /// # Errors
 /// A recording too short for one window.
-// Over 40 lines: eight figures, each named once.
+// Over 40 lines: nine figures, each named once.
 pub(super) fn fit_answer(
     request: &Request<'_>,
     searched: &Searched,
     (nominal, improved): (&Physics, &Physics),
     effects: &mut [EffectAnswer],
     twins: &Twins,
-) -> Result<FitAnswer, Error> {
+) -> Result<(FitAnswer, Floors), Error> {
     let outcome = &searched.outcome;
     let repaired = repaired(searched);
     let glitches = effects.iter_mut().find(|effect| effect.id == GLITCH);
     let named = glitches.is_some();
-    let recorded = if named { &searched.recordings } else { &repaired };
+    let recorded: &[Recording] = if named { &searched.recordings } else { &repaired };
     let count = request.recordings.len();
     let resolution = request.machine.axis.resolution;
-    let rms = |physics, recordings: &[Recording], first| {
-        Windows::new(physics, recordings, first, resolution, HORIZON_S).map(|windows| windows.rms())
-    };
-    let (before, after) = (rms(nominal, &recorded[..count], 0)?, rms(improved, &repaired[..count], 0)?);
-    let (heldout_before, heldout_after) = if request.holdout.is_empty() {
+    let windows =
+        |physics, recordings: &[Recording], first| Windows::new(physics, recordings, first, resolution, HORIZON_S);
+    let rms = |physics, recordings, first| windows(physics, recordings, first).map(|windows| windows.rms());
+    let left = windows(improved, &repaired[..count], 0)?;
+    let (before, after) = (rms(nominal, &recorded[..count], 0)?, left.rms());
+    let above = |windows: &Windows, first| twins.floor.as_ref().and_then(|floor| floor.under(windows, first));
+    let fitted = above(&left, 0);
+    let (heldout_before, heldout_after, held_out) = if request.holdout.is_empty() {
         let share = |fit: &Fit| (fit.heldout_sse() / fit.sse.max(1e-300)).sqrt();
-        (before * share(&outcome.nominal), after * share(&outcome.fit))
+        (before * share(&outcome.nominal), after * share(&outcome.fit), fitted)
     } else {
-        (rms(nominal, &recorded[count..], count)?, rms(improved, &repaired[count..], count)?)
+        let left = windows(improved, &repaired[count..], count)?;
+        (rms(nominal, &recorded[count..], count)?, left.rms(), above(&left, count))
     };
     if let Some(effect) = glitches {
         // On held-out recordings where there are any, else on all.
@@ -51,27 +66,33 @@ pub(super) fn fit_answer(
         effect.evidence.heldout_gain = 1.0 - left;
     }
     let floor = outcome.fit.residual_count();
+    let balance = (floor / outcome.fit.sse.max(floor)).sqrt();
     let unit = if request.machine.axis.kind == AxisKind::Linear { "m" } else { "rad" };
-    Ok(FitAnswer {
+    let answer = FitAnswer {
         before_rms: before,
         after_rms: after,
         heldout_before_rms: heldout_before,
         heldout_after_rms: heldout_after,
-        noise_floor_rms: twins.noise_floor_rms.unwrap_or(after * (floor / outcome.fit.sse.max(floor)).sqrt()),
-        excess_explained: match twins.noise_floor_rms {
+        noise_floor_rms: fitted.map_or(after * balance, |above| above.floor),
+        heldout_floor_rms: held_out.map_or(heldout_after * balance, |above| above.floor),
+        excess_explained: match fitted {
             // No torque is missing; what the windows lose is all there is.
-            Some(floor) if named && outcome.fit.active.is_empty() => {
-                explained(before * before, after * after, floor * floor)
+            Some(above) if named && outcome.fit.active.is_empty() => {
+                explained(before * before, after * after, above.floor * above.floor)
             }
             _ => explained(outcome.nominal.sse, outcome.fit.sse, floor),
         },
         unit: unit.to_owned(),
         horizon_s: HORIZON_S,
-    })
+    };
+    Ok((answer, Floors { fitted, held_out }))
 }
 
 /// The recordings without isolated wrong samples.
-fn repaired(searched: &Searched) -> Vec<Recording> {
+fn repaired(searched: &Searched) -> Cow<'_, [Recording]> {
+    if searched.problem.wrong_samples().is_empty() {
+        return Cow::Borrowed(&searched.recordings);
+    }
     let pairs = searched.recordings.iter().zip(&searched.problem.motions);
     pairs.map(|(recording, motion)| Recording { position: motion.position.clone(), ..recording.clone() }).collect()
 }

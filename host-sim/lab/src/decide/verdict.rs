@@ -1,8 +1,8 @@
 //! None, named, ambiguous or unknown; and what the user should know before believing it.
 
-use super::fitted::explained;
+use super::fitted::{Floors, explained};
 use super::prepare::Searched;
-use super::twin::Twins;
+use super::twin::{Above, Twins};
 use crate::locate::Leftover;
 use crate::report::{Answer, EffectAnswer, FitAnswer, Verdict};
 use crate::screen::{Active, MIN_GAIN};
@@ -39,10 +39,10 @@ pub(super) fn verdict(
     searched: &Searched,
     answer: &Answer,
     left: &Leftover,
-    twins: &Twins,
+    (twins, floors): (&Twins, &Floors),
     reasons: &[String],
 ) -> Verdict {
-    if !reasons.is_empty() || is_unknown(searched, answer, left, twins) {
+    if !reasons.is_empty() || is_unknown(searched, answer, left, floors) {
         return Verdict::Unknown;
     }
     let uncertain = |effect: &EffectAnswer| {
@@ -58,43 +58,46 @@ pub(super) fn verdict(
 }
 
 /// Whether something is left that the best model should have explained.
-fn is_unknown(searched: &Searched, answer: &Answer, left: &Leftover, twins: &Twins) -> bool {
+fn is_unknown(searched: &Searched, answer: &Answer, left: &Leftover, floors: &Floors) -> bool {
     let (outcome, fit) = (&searched.outcome, &answer.fit);
     let active = &outcome.fit.active;
     let memory = searched.problem.machine(active).remembers();
     let held_out_rms = fit.heldout_after_rms;
     let smooth = memory || left.excess < ROUGH && !active.is_empty();
-    let (rms, over) = if smooth { (held_out_rms, OVER_SMOOTH_FLOOR) } else { (fit.after_rms, OVER_FLOOR) };
     // Standstill tells nothing in the weak form, and may tell all in the windows.
-    let above_floor = twins.noise_floor_rms.is_some_and(|floor| rms > over * floor);
+    let above_floor = match smooth {
+        true => floors.held_out.is_some_and(|above| above.exceeded(held_out_rms, OVER_SMOOTH_FLOOR)),
+        false => floors.fitted.is_some_and(|above| above.exceeded(fit.after_rms, OVER_FLOOR)),
+    };
     // A twin that scatters far more than the recording was given as noise what is none; of a machine with a memory it may
     // scatter because its windows start from a state that is known less well.
-    let swallowed =
-        !memory && twins.noise_floor_rms.is_some_and(|floor| floor > SWALLOWED * fit.after_rms.min(held_out_rms));
+    let pairs = [(floors.fitted, fit.after_rms), (floors.held_out, held_out_rms)];
+    let swallows = |(above, rms): (Option<Above>, f64)| above.is_some_and(|above| above.swallows(rms, SWALLOWED));
+    let swallowed = !memory && pairs.into_iter().any(swallows);
     if active.is_empty() {
         // Far above the noise is something, even where no channel of state predicts it.
         return above_floor || swallowed || left.excess > 2.5 || left.gain >= MIN_GAIN && left.excess > 1.5;
     }
     let explains = explained(outcome.nominal.sse, outcome.fit.sse, outcome.fit.residual_count());
-    let windows_left = twins.noise_floor_rms.is_none_or(|floor| held_out_rms > LEFT * floor);
+    let windows_left = floors.held_out.is_none_or(|above| above.exceeded(held_out_rms, LEFT));
     // The bumps filter the motion of a load, and blur its impacts: there the windows are the witness.
     let rough = if memory { windows_left } else { explains < WHOLE };
     let poor = explains < EXPLAINS || left.excess > FAR && rough;
     // What is below the noise and not seen in the windows is the bumps' own.
     let predictable = left.gain > PREDICTABLE && (left.excess > 1.0 || windows_left);
-    let substitute = predictable || left.excess < ROUGH && comparable(&answer.effects, fit, twins);
+    let substitute = predictable || left.excess < ROUGH && comparable(&answer.effects, fit, floors);
     // What predicts the torque balance and drives the simulation off is not how the machine moves.
     let astray = fit.after_rms > ASTRAY * fit.before_rms || held_out_rms > ASTRAY * fit.heldout_before_rms;
     poor || astray || substitute && !memory || above_floor || swallowed
 }
 
 /// Whether what the windows have above their floor is as much as the weakest effect explains in them.
-fn comparable(effects: &[EffectAnswer], fit: &FitAnswer, twins: &Twins) -> bool {
-    let Some(floor) = twins.noise_floor_rms.filter(|floor| fit.after_rms > LEFT * floor) else { return false };
+fn comparable(effects: &[EffectAnswer], fit: &FitAnswer, floors: &Floors) -> bool {
+    let Some(above) = floors.fitted.filter(|above| above.exceeded(fit.after_rms, LEFT)) else { return false };
     let weakest = effects.iter().map(|effect| effect.evidence.heldout_gain).fold(1.0, f64::min);
     // Without it the error would be larger by one over what is left of it.
     let explained = fit.after_rms * ((1.0 - weakest.clamp(0.0, 0.999_999)).powi(-2) - 1.0).sqrt();
-    (fit.after_rms.powi(2) - floor * floor).sqrt() > COMPARABLE * explained
+    (fit.after_rms.powi(2) - above.floor.powi(2)).sqrt() > COMPARABLE * explained
 }
 
 /// In words, which effects have a value that stands where the search ends, in the torque balance or as simulation leaves it:
@@ -123,7 +126,7 @@ pub(super) fn warnings(searched: &Searched, left: &Leftover, verdict: Verdict) -
             if left.channel.is_empty() { "no channel of state" } else { &left.channel }
         ));
     }
-    let repaired: usize = searched.problem.motions.iter().map(|m| m.glitches.len()).sum();
+    let repaired = searched.problem.wrong_samples().len();
     if repaired > 0 {
         warnings.push(format!("{repaired} isolated wrong position samples were left out"));
     }

@@ -109,8 +109,10 @@ pub struct FitAnswer {
     pub heldout_before_rms: f64,
     /// Improved model, on what was held out.
     pub heldout_after_rms: f64,
-    /// What noise alone would leave.
+    /// What noise alone would leave of what was fitted.
     pub noise_floor_rms: f64,
+    /// What noise alone would leave of what was held out.
+    pub heldout_floor_rms: f64,
     /// Share of the excess over the floor that is explained, 1.
     pub excess_explained: f64,
     /// Unit of the residuals.

@@ -71,14 +71,16 @@ fn write_effect(text: &mut String, effect: &EffectAnswer) -> std::fmt::Result {
 fn write_fit(text: &mut String, fit: &FitAnswer) -> std::fmt::Result {
     writeln!(
         text,
-        "\nWindows of {} s, rms in {}: {:.3e} before, {:.3e} after; held out {:.3e} before, {:.3e} after; floor {:.3e}.",
+        "\nWindows of {} s, rms in {}: {:.3e} before, {:.3e} after, noise {:.3e}; \
+         held out {:.3e} before, {:.3e} after, noise {:.3e}.",
         fit.horizon_s,
         fit.unit,
         fit.before_rms,
         fit.after_rms,
+        fit.noise_floor_rms,
         fit.heldout_before_rms,
         fit.heldout_after_rms,
-        fit.noise_floor_rms
+        fit.heldout_floor_rms
     )
 }
 

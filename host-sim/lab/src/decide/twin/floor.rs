@@ -1,5 +1,7 @@
 //! What noise alone leaves in the windows.
 
+use rand::rngs::StdRng;
+use rand::{Rng, SeedableRng};
 use rayon::prelude::*;
 
 use super::noise::at_rest;
@@ -9,11 +11,14 @@ use crate::effects::Physics;
 use crate::progress::Progress;
 use crate::read::Recording;
 use crate::refit::{HORIZON_S, Windows};
+use crate::residual::Window;
 use crate::screen::Motion;
 
 /// Twins of each recording at least.
 const TWINS: usize = 4;
-/// Seed of the first twin; each further one takes the next.
+/// Draws of windows.
+const DRAWS: usize = 200;
+/// Seed of the draws, and of the first twin; each further one takes the next.
 const SEED: u64 = 1;
 /// Each twin is of another piece of this length at most, spread over the recording, s: a machine without a closed form
 /// takes long in its windows, and as many of them as eight seconds hold tell the floor to some percent.
@@ -24,13 +29,34 @@ const SHORTEST_S: f64 = 0.5;
 /// The noise floor.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Floor {
-    /// Root mean square over the windows of all twins, rad (m).
-    pub rms: f64,
+    pieces: Vec<Piece>,
     /// In words, where the sensor's share does not agree with what is recorded at rest.
     pub warnings: Vec<String>,
 }
 
-/// Mean over twins of the root mean square that the machine leaves of them, which is all noise.
+/// A piece of a recording, and what its twin left.
+#[derive(Debug, Clone, PartialEq)]
+struct Piece {
+    recording: usize,
+    /// First row, and the one past the last.
+    from: usize,
+    to: usize,
+    /// Sum of squares of each of the twin's windows, rad2 (m2), and its rows.
+    left: Vec<(f64, usize)>,
+}
+
+/// What a machine leaves of some recordings against what noise alone would.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Above {
+    /// Root mean square that noise alone would leave, rad (m).
+    pub floor: f64,
+    /// Times the floor that is surely left: 95 % of the draws of both leave more,
+    pub least: f64,
+    /// and that is surely not exceeded.
+    pub most: f64,
+}
+
+/// Twins of pieces of each recording, and what the machine leaves of them, which is all noise.
 ///
 /// # Errors
 /// A machine that the plant refuses, recordings without a window.
@@ -48,18 +74,69 @@ pub fn noise_floor(
         work.extend(each.map(|(k, &(from, to))| (index, from, to, SEED + (index * TWINS + k) as u64)));
     }
     let progress = Progress::new("noise floor, twins", work.len() as u64);
-    let each = work.into_par_iter().map(|(index, from, to, seed)| {
-        let (recording, path) = (part(&recordings[index], from, to), Path::of(&motions[index], from, to));
-        let twin = twin(machine, index, &recording, path, &noises[index], seed)?;
-        let windows = Windows::new(machine, std::slice::from_ref(&twin), index, noises[index].resolution, HORIZON_S)?;
+    let each = work.into_par_iter().map(|(recording, from, to, seed)| {
+        let (part, path) = (recordings[recording].driven(from..to), Path::of(&motions[recording], from, to));
+        let (noise, resolution) = (&noises[recording], noises[recording].resolution);
+        let twin = twin(machine, recording, &part, path, noise, seed)?;
+        let windows = Windows::new(machine, std::slice::from_ref(&twin), recording, resolution, HORIZON_S)?;
         progress.advance(1);
-        let rows: usize = windows.residuals.iter().flat_map(|r| &r.windows).map(|window| window.residual.len()).sum();
-        Ok((windows.rms().powi(2), rows as f64))
+        let left = windows.residuals.iter().flat_map(|residual| &residual.windows).map(squares).collect();
+        Ok(Piece { recording, from, to, left })
     });
-    let all: Vec<(f64, f64)> = each.collect::<Result<_, Error>>()?;
-    let (sum, count) = all.iter().fold((0.0, 0.0), |(sum, count), (square, rows)| (sum + square * rows, count + rows));
+    let pieces = each.collect::<Result<Vec<_>, Error>>()?;
     let warnings = recordings.iter().zip(noises).filter_map(|(recording, noise)| disagreement(recording, noise));
-    Ok(Floor { rms: if count > 0.0 { (sum / count).sqrt() } else { 0.0 }, warnings: warnings.collect() })
+    Ok(Floor { pieces, warnings: warnings.collect() })
+}
+
+impl Above {
+    /// Whether a root mean square that is left, rad (m), is more than so many times the floor, and no accident of a few windows.
+    pub fn exceeded(&self, rms: f64, times: f64) -> bool {
+        rms > times * self.floor && self.least > 1.0
+    }
+
+    /// Whether the floor is more than so many times what is left, and that is no accident of a few windows.
+    pub fn swallows(&self, rms: f64, times: f64) -> bool {
+        self.floor > times * rms && self.most < 1.0
+    }
+}
+
+impl Floor {
+    /// What is left of some recordings against what noise alone would leave; `windows` is what the machine leaves of them, and
+    /// the first of them is number `first`. Most of it is left by a few windows in which the rotor sticks or turns, so twins
+    /// and recordings are compared in the same pieces, the recordings' rest is scaled alike, and both are drawn again. None
+    /// without a twin of them.
+    pub fn under(&self, windows: &Windows, first: usize) -> Option<Above> {
+        let (mut noise, mut left) = (Vec::new(), Vec::new());
+        for (index, residual) in windows.residuals.iter().enumerate() {
+            for piece in self.pieces.iter().filter(|piece| piece.recording == first + index) {
+                let inside = residual.windows.iter().filter(|window| (piece.from..piece.to).contains(&window.start));
+                left.extend(inside.map(squares));
+                noise.extend_from_slice(&piece.left);
+            }
+        }
+        if noise.is_empty() || left.is_empty() {
+            return None;
+        }
+        let ratio = |noise: f64, left: f64| (left / noise.max(f64::MIN_POSITIVE)).sqrt();
+        let mut random = StdRng::seed_from_u64(SEED);
+        let mut again = |all: &[(f64, usize)]| mean((0..all.len()).map(|_| all[random.random_range(0..all.len())]));
+        let mut drawn: Vec<f64> = (0..DRAWS).map(|_| ratio(again(&noise), again(&left))).collect();
+        drawn.sort_by(f64::total_cmp);
+        let floor = windows.rms() / ratio(mean(noise.into_iter()), mean(left.into_iter()));
+        let at = |quantile: f64| drawn[(quantile * (DRAWS - 1) as f64).round() as usize];
+        Some(Above { floor, least: at(0.05), most: at(0.95) })
+    }
+}
+
+/// Sum of squares of a window, rad2 (m2), and its rows.
+fn squares(window: &Window) -> (f64, usize) {
+    (window.residual.iter().map(|r| r * r).sum(), window.residual.len())
+}
+
+/// Mean square over the rows of windows, rad2 (m2).
+fn mean(windows: impl Iterator<Item = (f64, usize)>) -> f64 {
+    let (sum, rows) = windows.fold((0.0, 0), |(sum, rows), window| (sum + window.0, rows + window.1));
+    sum / rows as f64
 }
 
 /// At rest only the sensor speaks; half a step is what a position between two steps may or may not show.
@@ -92,30 +169,4 @@ fn pieces(recording: &Recording) -> Vec<(usize, usize)> {
     let whole = all.filter(|&(from, to)| to - from > 1 && t_s[to - 1] - t_s[from] > 0.8 * length_s);
     let pieces: Vec<(usize, usize)> = whole.collect();
     if pieces.is_empty() { vec![(0, rows)] } else { pieces }
-}
-
-/// Rows `from..to` of the columns that a twin is made of.
-fn part(recording: &Recording, from: usize, to: usize) -> Recording {
-    fn cut<T: Clone>(values: &Option<Vec<T>>, from: usize, to: usize) -> Option<Vec<T>> {
-        values.as_ref().map(|values| values[from..to].to_vec())
-    }
-    Recording {
-        name: recording.name.clone(),
-        axis: recording.axis,
-        t_s: recording.t_s[from..to].to_vec(),
-        position: recording.position[from..to].to_vec(),
-        effort_cmd: recording.effort_cmd[from..to].to_vec(),
-        reference: None,
-        field_cmd_kv_mm: cut(&recording.field_cmd_kv_mm, from, to),
-        mode: cut(&recording.mode, from, to),
-        velocity: cut(&recording.velocity, from, to),
-        effort_meas: None,
-        field_meas_kv_mm: None,
-        temperature_c: None,
-        seq: None,
-        fault: None,
-        counts: None,
-        gaps: recording.gaps.iter().filter(|gap| (from..to - 1).contains(*gap)).map(|gap| gap - from).collect(),
-        extra: Vec::new(),
-    }
 }

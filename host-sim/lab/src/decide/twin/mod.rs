@@ -15,7 +15,7 @@ use plant::sensor::{Sampler, SamplerConfig, TorqueNoise};
 use plant::{Command, Model, Plant, State};
 
 pub use clean::falsely_found;
-pub use floor::{Floor, noise_floor};
+pub use floor::{Above, Floor, noise_floor};
 pub use noise::{Noise, estimate};
 pub use verdict::Twins;
 

@@ -75,15 +75,20 @@ fn the_motion_begins_anew_behind_a_gap() {
 
 #[test]
 fn torque_noise_is_estimated_and_the_floor_is_what_the_true_machine_leaves() {
-    for (seed, torque_noise_nm) in [(4, 0.05), (5, 0.3)] {
-        let recorded = [recording(&nominal(), torque_noise_nm, 6.0, seed)];
+    // In the long one no two rows would be neighbours if they were spread evenly.
+    for (seed, torque_noise_nm, duration_s) in [(4, 0.05, 6.0), (5, 0.3, 6.0), (6, 0.05, 120.0)] {
+        let recorded = [recording(&nominal(), torque_noise_nm, duration_s, seed)];
         let (problem, outcome) = prepared(&recorded[0], &nominal());
         let noise = estimate(&problem, &outcome.fit, &outcome.weights, 0, RESOLUTION);
         assert!((noise.torque / torque_noise_nm - 1.0).abs() < 0.2, "{torque_noise_nm}: {noise:?}");
         assert!(noise.position < 0.3 * RESOLUTION, "{noise:?}");
         let floor = noise_floor(&nominal(), &recorded, &problem.motions, &[noise]).unwrap();
-        let left = Windows::new(&nominal(), &recorded, 0, RESOLUTION, HORIZON_S).unwrap().rms();
-        assert!((floor.rms / left - 1.0).abs() < 0.2, "floor {:.2e}, left {left:.2e}", floor.rms);
+        let windows = Windows::new(&nominal(), &recorded, 0, RESOLUTION, HORIZON_S).unwrap();
+        let (above, left) = (floor.under(&windows, 0).unwrap(), windows.rms());
+        assert!((above.floor / left - 1.0).abs() < 0.2, "{above:?}, left {left:.2e}");
+        assert!(above.least < 1.1 && 0.9 < above.most && above.most < 1.4 * above.least, "{above:?}");
+        assert!(!above.exceeded(left, 1.25) && !above.swallows(left, 1.25));
+        assert_eq!(floor.under(&windows, 1), None, "no other recording was twinned");
         assert_eq!(floor.warnings, Vec::<String>::new());
     }
 }

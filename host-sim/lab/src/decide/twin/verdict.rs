@@ -2,18 +2,18 @@
 
 use rayon::prelude::*;
 
-use super::{Noise, estimate, falsely_found, noise_floor};
+use super::{Floor, Noise, estimate, falsely_found, noise_floor};
 use crate::Error;
 use crate::decide::Request;
 use crate::decide::prepare::Searched;
 use crate::effects::Physics;
 use crate::refit::TimeFit;
 
-/// What the twins of the fitted recordings say.
+/// What the twins of the recordings say.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Twins {
-    /// Root mean square of the windows that noise alone leaves, rad (m); none where no twin could be made.
-    pub noise_floor_rms: Option<f64>,
+    /// What noise alone leaves; none where no twin could be made.
+    pub floor: Option<Floor>,
     /// Effects that the search finds in a machine from which nothing is missing; none, if the tool is right.
     pub falsely_found: Vec<&'static str>,
     /// In words, what failed.
@@ -30,7 +30,7 @@ impl Twins {
     ) -> Self {
         let (problem, outcome) = (&searched.problem, &searched.outcome);
         let resolution = request.machine.axis.resolution;
-        let each = (0..problem.fitted).into_par_iter();
+        let each = (0..problem.motions.len()).into_par_iter();
         let noise = |index| {
             let balance = estimate(problem, &outcome.fit, &outcome.weights, index, resolution);
             // The torque balance of a machine with a memory has errors of its own, at impacts above all; the windows have
@@ -52,11 +52,10 @@ impl Twins {
 
     fn made(request: &Request<'_>, searched: &Searched, improved: &Physics, noises: &[Noise]) -> Result<Self, Error> {
         let problem = &searched.problem;
-        let recordings = searched.fitted();
-        let floor = noise_floor(improved, recordings, &problem.motions, noises)?;
+        let floor = noise_floor(improved, &searched.recordings, &problem.motions, noises)?;
         let answered: Vec<&str> = searched.outcome.fit.active.iter().map(|entry| entry.effect.id).collect();
-        let falsely_found = falsely_found(request, improved, recordings, &problem.motions, noises, &answered)?;
-        let mut warnings = floor.warnings;
+        let falsely_found = falsely_found(request, improved, searched.fitted(), &problem.motions, noises, &answered)?;
+        let mut warnings = floor.warnings.clone();
         if !falsely_found.is_empty() {
             warnings.push(format!(
                 "self-check failed: in a clean synthetic twin of these recordings, from which nothing is missing (seed {}), \
@@ -65,6 +64,6 @@ impl Twins {
                 falsely_found.join(", ")
             ));
         }
-        Ok(Self { noise_floor_rms: Some(floor.rms), falsely_found, warnings })
+        Ok(Self { floor: Some(floor), falsely_found, warnings })
     }
 }

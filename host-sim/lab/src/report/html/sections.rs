@@ -50,21 +50,20 @@ fn effect(effect: &EffectAnswer) -> String {
 pub(super) fn fit(answer: &Answer) -> String {
     let fit = &answer.fit;
     let (prefix, factor) = prefix(fit.before_rms.max(fit.heldout_before_rms));
-    let row = |name: &str, before: f64, after: f64| {
+    let row = |name: &str, before: f64, after: f64, floor: f64| {
         let less = 100.0 * (1.0 - after / before.max(f64::MIN_POSITIVE));
-        vec![name.to_owned(), number(before * factor, 0.0), number(after * factor, 0.0), format!("{less:.1} %")]
+        let [before, after, floor] = [before, after, floor].map(|rms| number(rms * factor, 0.0));
+        vec![name.to_owned(), before, after, format!("{less:.1} %"), floor]
     };
     let rows = vec![
-        row("fitted", fit.before_rms, fit.after_rms),
-        row("held out", fit.heldout_before_rms, fit.heldout_after_rms),
+        row("fitted", fit.before_rms, fit.after_rms, fit.noise_floor_rms),
+        row("held out", fit.heldout_before_rms, fit.heldout_after_rms, fit.heldout_floor_rms),
     ];
     let unit = format!("{prefix}{}", fit.unit);
     let caption = format!("Recorded less simulated position, rms in {unit}, windows of {:.0} ms", 1e3 * fit.horizon_s);
-    let table = table(&caption, &["data", "nominal", "improved", "less"], rows);
+    let table = table(&caption, &["data", "nominal", "improved", "less", "noise alone"], rows);
     let floor = format!(
-        "<p class=\"quiet\">Noise alone would leave {} {}. The improved model explains {} % of the excess over it.</p>",
-        number(fit.noise_floor_rms * factor, 0.0),
-        text(&unit),
+        "<p class=\"quiet\">The improved model explains {} % of the excess over the noise.</p>",
         text(&per_cent_explained(fit.excess_explained))
     );
     section("fit", "How well it fits", &format!("{table}{floor}"))

@@ -39,6 +39,7 @@ fn answer(verdict: Verdict) -> Answer {
             heldout_before_rms: 2e-4,
             heldout_after_rms: 5e-5,
             noise_floor_rms: 9e-6,
+            heldout_floor_rms: 9e-6,
             excess_explained: 0.99,
             unit: "rad".to_owned(),
             horizon_s: 0.05,
