@@ -11,6 +11,7 @@ use super::named::{effects, rejected, unnamed_glitches};
 use super::prepare::{Searched, search};
 use super::refined::Refined;
 use super::simulated::shown;
+use super::stretches::stretches;
 use super::twin::Twins;
 use super::verdict::{at_bound, verdict, warnings};
 use crate::Error;
@@ -19,8 +20,8 @@ use crate::formula::formula;
 use crate::locate::{first_unexplained, leftover, locations, regions, residual_map};
 use crate::progress::Stages;
 use crate::propose::{Proposal, for_ambiguous};
-use crate::read::{Axis, AxisKind, Machine, Recording, position_step};
-use crate::report::{Answer, Verdict};
+use crate::read::{Axis, Machine, Recording, position_step};
+use crate::report::{Answer, FirstUnexplained, Verdict};
 
 /// Steps this many times those of the machine file are not its steps.
 const COARSER: f64 = 1.5;
@@ -88,7 +89,7 @@ fn once(request: &Request<'_>) -> Result<Diagnosis, Error> {
     let coarser = coarser(request.machine, &files, &mut notes);
     let request = &Request { machine: coarser.as_ref().unwrap_or(request.machine), ..*request };
     let mut stages = Stages::begin();
-    let mut searched = search(request, &nominal, &mut stages);
+    let mut searched = search(request, stretches(&files, &mut notes), &nominal, &mut stages);
     if searched.problem.fitted_equations() == 0 {
         let message = "nothing moves long enough in one direction to be judged; record more motion".to_owned();
         return Err(Error::Usage(format!("{}: {message}", names.join(", "))));
@@ -188,7 +189,7 @@ fn judge(
     answer.warnings.extend(self_checks(problem, searched.fitted(), request.vocabulary));
     answer.warnings.extend(twins.warnings);
     stages.done("self-checks");
-    locate(searched, axis, answer);
+    locate(searched, request, answer);
     stages.done("locate");
     if answer.verdict == Verdict::Ambiguous {
         let (found, floor_rms) = ((problem, &searched.outcome), answer.fit.noise_floor_rms);
@@ -200,16 +201,28 @@ fn judge(
 }
 
 /// Where the mismatch is; and where nothing explains it, all that can be said instead.
-fn locate(searched: &Searched, axis: AxisKind, answer: &mut Answer) {
+fn locate(searched: &Searched, request: &Request<'_>, answer: &mut Answer) {
+    let axis = request.machine.axis.kind;
     let (problem, outcome) = (&searched.problem, &searched.outcome);
     if answer.verdict != Verdict::None {
         answer.regions = regions(problem, &outcome.nominal, axis);
         answer.locations = locations(problem, &outcome.nominal, axis, &answer.regions);
         answer.first_unexplained = first_unexplained(problem, &outcome.nominal);
+        rows_of_files(searched, request, &mut answer.first_unexplained);
     }
     if answer.verdict == Verdict::Unknown {
         answer.residual_map = residual_map(problem, &outcome.fit, &outcome.weights, axis);
         answer.formula = formula(problem, outcome, axis);
         answer.closest = closest(searched, axis);
+    }
+}
+
+/// Rows as the files count them, where a file was only looked at in stretches.
+fn rows_of_files(searched: &Searched, request: &Request<'_>, first: &mut [FirstUnexplained]) {
+    let files = request.recordings.iter().chain(request.holdout).zip(&searched.recordings);
+    for (file, _) in files.filter(|(file, read)| read.rows() < file.rows()) {
+        for first in first.iter_mut().filter(|first| first.recording == file.name) {
+            first.row = file.t_s.partition_point(|t_s| *t_s < first.t_s) + 1;
+        }
     }
 }

@@ -15,6 +15,7 @@ mod named;
 mod prepare;
 mod refined;
 mod simulated;
+mod stretches;
 #[cfg(test)]
 pub(crate) mod testing;
 pub mod twin;

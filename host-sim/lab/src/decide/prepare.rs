@@ -69,13 +69,12 @@ impl Searched {
 
 /// Searches twice: the smoother knew the nominal torques only; with those of the improved machine reversals are where they
 /// were.
-pub(super) fn search(request: &Request<'_>, nominal: &Physics, stages: &mut Stages) -> Searched {
-    let mut recordings: Vec<Recording> = request
-        .recordings
-        .iter()
-        .chain(request.holdout)
-        .map(|recording| recording.driven(0..recording.rows()))
-        .collect();
+pub(super) fn search(
+    request: &Request<'_>,
+    mut recordings: Vec<Recording>,
+    nominal: &Physics,
+    stages: &mut Stages,
+) -> Searched {
     let linear = request.machine.axis.kind == AxisKind::Linear;
     let mut problem = problem(request, &recordings, nominal);
     // Where the drive's delay, the fluid or the controller is known, the column is the command.

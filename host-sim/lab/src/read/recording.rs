@@ -164,30 +164,37 @@ impl Recording {
         parquet_file::read_from(file, Bytes::copy_from_slice(bytes), expected)
     }
 
-    /// Some of the rows, with the columns that drive a model and what it is compared with; the others of a long recording
-    /// are large.
-    pub(crate) fn driven(&self, rows: Range<usize>) -> Self {
-        fn cut<T: Clone>(values: &Option<Vec<T>>, rows: &Range<usize>) -> Option<Vec<T>> {
-            values.as_ref().map(|values| values[rows.clone()].to_vec())
+    /// Some of the rows, at least one, as ranges in order, with the columns that drive a model and what it is compared with:
+    /// the others of a long recording are large. Between two ranges is a gap.
+    pub(crate) fn driven(&self, ranges: &[Range<usize>]) -> Self {
+        fn cut<T: Clone>(values: &[T], ranges: &[Range<usize>]) -> Vec<T> {
+            ranges.iter().flat_map(|rows| &values[rows.clone()]).cloned().collect()
         }
-        let inside = self.gaps.iter().filter(|gap| (rows.start..rows.end - 1).contains(*gap));
+        let mut gaps = Vec::new();
+        let mut before = 0_usize;
+        for rows in ranges {
+            gaps.extend(before.checked_sub(1));
+            let inside = self.gaps.iter().filter(|gap| (rows.start..rows.end - 1).contains(*gap));
+            gaps.extend(inside.map(|gap| gap - rows.start + before));
+            before += rows.len();
+        }
         Self {
             name: self.name.clone(),
             axis: self.axis,
-            t_s: self.t_s[rows.clone()].to_vec(),
-            position: self.position[rows.clone()].to_vec(),
-            effort_cmd: self.effort_cmd[rows.clone()].to_vec(),
+            t_s: cut(&self.t_s, ranges),
+            position: cut(&self.position, ranges),
+            effort_cmd: cut(&self.effort_cmd, ranges),
             reference: None,
-            field_cmd_kv_mm: cut(&self.field_cmd_kv_mm, &rows),
-            mode: cut(&self.mode, &rows),
-            velocity: cut(&self.velocity, &rows),
+            field_cmd_kv_mm: self.field_cmd_kv_mm.as_ref().map(|values| cut(values, ranges)),
+            mode: self.mode.as_ref().map(|values| cut(values, ranges)),
+            velocity: self.velocity.as_ref().map(|values| cut(values, ranges)),
             effort_meas: None,
             field_meas_kv_mm: None,
             temperature_c: None,
             seq: None,
             fault: None,
             counts: None,
-            gaps: inside.map(|gap| gap - rows.start).collect(),
+            gaps,
             extra: Vec::new(),
         }
     }

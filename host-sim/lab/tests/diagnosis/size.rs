@@ -66,5 +66,6 @@ fn ten_minutes_take_bounded_memory() {
         println!("    {stage:24} {:6.3} s", took.as_secs_f64());
     }
     assert_eq!(diagnosis.answer.verdict, Verdict::Named, "{:?}", diagnosis.answer.effects);
-    assert!(peak_mb < 3000.0, "{peak_mb:.0} MB");
+    // What is looked at does not grow beyond five minutes; the recording itself takes 12 MB a minute.
+    assert!(peak_mb - before_mb < 600.0, "{before_mb:.0} MB before, {peak_mb:.0} MB");
 }

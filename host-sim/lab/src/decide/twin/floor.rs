@@ -75,7 +75,8 @@ pub fn noise_floor(
     }
     let progress = Progress::new("noise floor, twins", work.len() as u64);
     let each = work.into_par_iter().map(|(recording, from, to, seed)| {
-        let (part, path) = (recordings[recording].driven(from..to), Path::of(&motions[recording], from, to));
+        let (part, path) =
+            (recordings[recording].driven(std::slice::from_ref(&(from..to))), Path::of(&motions[recording], from, to));
         let (noise, resolution) = (&noises[recording], noises[recording].resolution);
         let twin = twin(machine, recording, &part, path, noise, seed)?;
         let windows = Windows::new(machine, std::slice::from_ref(&twin), recording, resolution, HORIZON_S)?;

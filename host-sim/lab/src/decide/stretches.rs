@@ -1,0 +1,91 @@
+//! Long recordings in stretches: what a diagnosis keeps of each row is ten times what the file has, so the rows are bounded.
+
+use std::ops::Range;
+
+use rand::rngs::StdRng;
+use rand::{Rng, SeedableRng};
+
+use crate::read::Recording;
+
+/// Rows of all recordings that a diagnosis looks at: five minutes at 2 kHz.
+const ROWS: usize = 600_000;
+/// Length of a stretch, s: all that a motion shows from one standstill to the next.
+const STRETCH_S: f64 = 5.0;
+/// Of the places of the stretches.
+const SEED: u64 = 1;
+
+/// The recordings as they are diagnosed: whole, or where they have more rows than are looked at, stretches of them spread
+/// evenly, each at a random place of its share of the time so that a periodic motion is not always met at the same place.
+/// What is left out is told in `notes`.
+pub(super) fn stretches(files: &[&Recording], notes: &mut Vec<String>) -> Vec<Recording> {
+    let rows: usize = files.iter().map(|file| file.rows()).sum();
+    if rows <= ROWS {
+        return files.iter().map(|file| file.driven(std::slice::from_ref(&(0..file.rows())))).collect();
+    }
+    let share = ROWS as f64 / rows as f64;
+    notes.push(format!(
+        "{rows} rows are more than are looked at in one diagnosis ({ROWS}): stretches of {STRETCH_S} s, spread evenly, stand \
+         for the rest; for an event that happened once, cut the recording around it"
+    ));
+    files.iter().map(|file| file.driven(&spread(&file.t_s, share))).collect()
+}
+
+/// Rows of the stretches that hold a share of the time.
+fn spread(t_s: &[f64], share: f64) -> Vec<Range<usize>> {
+    let (first_s, length_s) = (t_s[0], t_s[t_s.len() - 1] - t_s[0]);
+    let count = (share * length_s / STRETCH_S).ceil().max(1.0);
+    let (each_s, stretch_s) = (length_s / count, share * length_s / count);
+    let mut random = StdRng::seed_from_u64(SEED);
+    let row = |at_s: f64| t_s.partition_point(|t| *t < at_s);
+    let ranges = (0..count as usize).map(|stretch| {
+        let from_s = first_s + each_s * stretch as f64 + random.random_range(0.0..=each_s - stretch_s);
+        row(from_s)..row(from_s + stretch_s)
+    });
+    // In a gap of the recording there may be none.
+    let mut ranges: Vec<Range<usize>> = ranges.filter(|rows| rows.len() > 1).collect();
+    if ranges.is_empty() {
+        ranges.push(0..t_s.len());
+    }
+    ranges
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::decide::testing::{machine, recording};
+    use crate::effects::Physics;
+
+    #[test]
+    fn a_recording_of_five_minutes_is_looked_at_whole_and_a_longer_one_in_stretches() {
+        let short = recording(&Physics::nominal(&machine()), 0.0, 4.0, 1);
+        let mut notes = Vec::new();
+        let whole = stretches(&[&short], &mut notes);
+        assert_eq!((whole[0].position.as_slice(), notes.len()), (short.position.as_slice(), 0));
+        // Every row a hundred times: 400 s.
+        let mut long = short.clone();
+        long.t_s = (0..100u32).flat_map(|k| short.t_s.iter().map(move |t_s| t_s + 4.0 * f64::from(k))).collect();
+        for column in [&mut long.position, &mut long.effort_cmd] {
+            *column = column.repeat(100);
+        }
+        for column in [&mut long.field_cmd_kv_mm, &mut long.velocity] {
+            *column = column.as_ref().map(|values| values.repeat(100));
+        }
+        long.mode = long.mode.map(|values| values.repeat(100));
+        let part = &stretches(&[&long], &mut notes)[0];
+        assert!(notes.len() == 1 && notes[0].contains("800000 rows"), "{notes:?}");
+        assert!(part.rows() <= ROWS + 100 && part.rows() > ROWS - 100, "{}", part.rows());
+        assert!(part.gaps.len() == 59 && part.gaps.iter().all(|&gap| part.t_s[gap + 1] - part.t_s[gap] > 5e-4));
+        assert!(part.t_s.is_sorted() && part.t_s[0] < 2.0 && part.t_s[part.rows() - 1] > 395.0);
+    }
+
+    #[test]
+    fn stretches_hold_their_share_and_follow_each_other() {
+        let t_s: Vec<f64> = (0..10_000u32).map(|row| f64::from(row) * 0.01).collect();
+        for share in [0.01, 0.3, 0.99] {
+            let ranges = spread(&t_s, share);
+            let rows: usize = ranges.iter().map(|rows| rows.len()).sum();
+            assert!((rows as f64 / 10_000.0 - share).abs() < 0.003, "{share}: {rows}");
+            assert!(ranges.windows(2).all(|pair| pair[0].end <= pair[1].start));
+        }
+    }
+}
