@@ -14,8 +14,11 @@ use crate::refit::{HORIZON_S, Windows};
 use crate::residual::Window;
 use crate::screen::Motion;
 
-/// Twins of each recording at least.
+/// Twins of each recording at least,
 const TWINS: usize = 4;
+/// and at most: of a long one there is a twin for every few seconds, s.
+const MOST_TWINS: usize = 16;
+const EVERY_S: f64 = 5.0;
 /// Draws of windows.
 const DRAWS: usize = 200;
 /// Seed of the draws, and of the first twin; each further one takes the next.
@@ -71,7 +74,7 @@ pub fn noise_floor(
         let pieces = pieces(recording);
         // Where a recording is too short for enough pieces, each is twinned more often.
         let each = pieces.iter().cycle().take(pieces.len().max(TWINS)).enumerate();
-        work.extend(each.map(|(k, &(from, to))| (index, from, to, SEED + (index * TWINS + k) as u64)));
+        work.extend(each.map(|(k, &(from, to))| (index, from, to, SEED + (index * MOST_TWINS + k) as u64)));
     }
     let progress = Progress::new("noise floor, twins", work.len() as u64);
     let each = work.into_par_iter().map(|(recording, from, to, seed)| {
@@ -158,7 +161,8 @@ fn pieces(recording: &Recording) -> Vec<(usize, usize)> {
     let t_s = &recording.t_s;
     let (first_s, rows) = (t_s[0], t_s.len());
     let span_s = t_s[rows - 1] - first_s;
-    let count = ((span_s / SHORTEST_S) as usize).clamp(1, TWINS);
+    let most = ((span_s / EVERY_S) as usize).clamp(TWINS, MOST_TWINS);
+    let count = ((span_s / SHORTEST_S) as usize).clamp(1, most);
     let length_s = PIECE_S.min(span_s / count as f64);
     let row = |at_s: f64| t_s.partition_point(|t| *t < at_s);
     let all = (0..count).map(|piece| {

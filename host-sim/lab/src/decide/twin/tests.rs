@@ -86,7 +86,7 @@ fn torque_noise_is_estimated_and_the_floor_is_what_the_true_machine_leaves() {
         let windows = Windows::new(&nominal(), &recorded, 0, RESOLUTION, HORIZON_S).unwrap();
         let (above, left) = (floor.under(&windows, 0).unwrap(), windows.rms());
         assert!((above.floor / left - 1.0).abs() < 0.2, "{above:?}, left {left:.2e}");
-        assert!(above.least < 1.1 && 0.9 < above.most && above.most < 1.6 * above.least, "{above:?}");
+        assert!(above.least < 1.25 && 0.8 < above.most && above.most < 1.6 * above.least, "{above:?}");
         assert!(!above.exceeded(left, 1.25) && !above.swallows(left, 1.25));
         assert_eq!(floor.under(&windows, 1), None, "no other recording was twinned");
         assert_eq!(floor.warnings, Vec::<String>::new());
