@@ -7,17 +7,22 @@ use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
 use super::gap;
 use super::prepare::Searched;
+use super::twin::{Noise, estimate, noise_floor};
 use super::{Refined, Request};
+use crate::Error;
 use crate::effects::Effect;
-use crate::refit::TimeFit;
+use crate::refit::{HORIZON_S, TimeFit, Windows};
 use crate::screen::{Active, MAX_P, MIN_T, Refitter, paired_t};
 
 /// An effect whose part in the prediction is larger is no error of the weak form.
 const PLAIN: f64 = 0.3;
 /// What is there shows in the windows as they are reported too, not only in their white noise.
 const FALLS_TO: f64 = 0.995;
-/// A gap is four values that bend to any roughness; it must be worth them.
+/// A gap is four values that bend to any roughness; it must be worth them,
 const GAP_FALLS_TO: f64 = 0.9;
+/// and without it the windows must leave this many times what the sensor alone leaves of them: the start states of a load take
+/// up what a coarse one rounds away, where nothing is missing too.
+const GAP_ABOVE: f64 = 1.05;
 
 /// Refits what the search found, takes back what the windows do not miss, and gives what is left with what was taken back.
 pub(super) fn confirm(
@@ -88,7 +93,9 @@ fn unconfirmed(request: &Request<'_>, searched: &Searched, refined: &Refined) ->
     // A load that bounces in its gap is where no window can know: neither its slopes nor its squares are to be believed,
     // but the whole must come nearer.
     if let Some(gap) = gap::gap(&fit.active) {
-        return (!falls(&rest(gap).active, GAP_FALLS_TO)).then_some(gap);
+        let rest = rest(gap).active;
+        let confirmed = falls(&rest, GAP_FALLS_TO) && above_sensor(request, searched, &rest, GAP_ABOVE).unwrap_or(true);
+        return (!confirmed).then_some(gap);
     }
     let gain = |index: usize| 1.0 - (fit.heldout_sse() / rest(index).heldout_sse().max(1e-300)).sqrt();
     let mut weak: Vec<(usize, f64)> = (0..fit.active.len()).map(|index| (index, gain(index))).collect();
@@ -99,6 +106,18 @@ fn unconfirmed(request: &Request<'_>, searched: &Searched, refined: &Refined) ->
         let Ok(without) = time.without(problem, searched.fitted(), index) else { return false };
         !needs(&without, time, fit.active[index].effect) || !falls(&without.active, FALLS_TO)
     })
+}
+
+/// Whether effects leave so many times what noise and steps of the sensor alone would leave of the windows of the recordings
+/// to fit. The torque's noise is left out: the balance of a load in its gap has errors of its own, at impacts.
+fn above_sensor(request: &Request<'_>, searched: &Searched, active: &[Active], times: f64) -> Result<bool, Error> {
+    let (problem, outcome, resolution) = (&searched.problem, &searched.outcome, request.machine.axis.resolution);
+    let machine = problem.machine(active);
+    let noise = |index| Noise { torque: 0.0, ..estimate(problem, &outcome.fit, &outcome.weights, index, resolution) };
+    let noises: Vec<Noise> = (0..problem.fitted).map(noise).collect();
+    let floor = noise_floor(&machine, searched.fitted(), &problem.motions, &noises)?;
+    let windows = Windows::new(&machine, searched.fitted(), 0, resolution, HORIZON_S)?;
+    Ok(floor.under(&windows, 0).is_none_or(|above| above.exceeded(windows.rms(), times)))
 }
 
 /// p-value of what a fit in the time domain gains over a smaller one.

@@ -10,6 +10,7 @@ mod diagnose;
 mod equivalents;
 mod fitted;
 mod gap;
+mod glitches;
 mod intervals;
 mod named;
 mod prepare;

@@ -1,12 +1,13 @@
 //! The effects of the best model, and those that were not taken.
 
 use super::fitted::explained;
+use super::glitches::glitches;
 use super::prepare::Searched;
 use super::{Refined, Request, intervals, simulated};
 use crate::effects::Effect;
 use crate::read::{AxisKind, vocabulary};
 use crate::report::{EffectAnswer, Evidence, Interval, Rejected};
-use crate::screen::{Active, MAX_P, MIN_GAIN, Outcome, Problem, Refitter, Trial};
+use crate::screen::{Active, MAX_P, MIN_GAIN, Outcome, Refitter, Trial};
 
 /// What is not known of a gap's contact moves its values by these shares: gap, resonance, damping ratio, inertia ratio. The
 /// plant's contact may pull while it opens, that of a machine may not; recordings of `host-sim/conceal`, whose contact does
@@ -117,45 +118,7 @@ fn within_bounds(entry: &Active, parameters: &mut [Interval]) {
     }
 }
 
-/// Fewer isolated wrong samples are accidents.
-const MANY: usize = 5;
-
-/// In words, that there are isolated wrong samples where they may not be named: a recording that is clean only without them
-/// is not clean.
-pub(super) fn unnamed_glitches(request: &Request<'_>, problem: &Problem) -> Option<String> {
-    let count = problem.wrong_samples().len();
-    let barred = !request.vocabulary.iter().any(|effect| effect.id == "sensor_glitch");
-    (barred && count >= MANY)
-        .then(|| format!("{count} isolated position samples are wrong, and nothing in the vocabulary makes them so"))
-}
-
-/// Isolated wrong samples, as an effect.
-fn glitches(request: &Request<'_>, problem: &Problem) -> Option<EffectAnswer> {
-    let kind = request.vocabulary.iter().find(|effect| effect.id == "sensor_glitch")?;
-    let sizes = problem.wrong_samples();
-    let samples: usize = problem.motions.iter().map(|m| m.cells() + 1).sum();
-    if sizes.len() < MANY {
-        return None;
-    }
-    let (count, samples) = (sizes.len() as f64, samples as f64);
-    let fraction = count / samples;
-    let mean = sizes.iter().sum::<f64>() / count;
-    let deviation = (sizes.iter().map(|size| (size - mean).powi(2)).sum::<f64>() / (count - 1.0) / count).sqrt();
-    let names = vocabulary::effect(kind.id).map_or(&[] as &[vocabulary::Parameter], |kind| kind.parameters);
-    // A count is Poisson.
-    let values = [(fraction, 1.96 * count.sqrt() / samples), (mean, 1.96 * deviation)];
-    let evidence = Evidence { heldout_gain: 0.0, p_value: 0.0, excess_explained: 1.0 };
-    Some(EffectAnswer {
-        id: kind.id.to_owned(),
-        text: kind.sentence.to_owned(),
-        equivalent: Vec::new(),
-        parameters: parameters(names, &values, request.machine.axis.kind),
-        evidence,
-        recording: None,
-    })
-}
-
-fn parameters(names: &[vocabulary::Parameter], values: &[(f64, f64)], axis: AxisKind) -> Vec<Interval> {
+pub(super) fn parameters(names: &[vocabulary::Parameter], values: &[(f64, f64)], axis: AxisKind) -> Vec<Interval> {
     let pairs = names.iter().zip(values);
     pairs
         .map(|(name, &(value, half))| Interval {

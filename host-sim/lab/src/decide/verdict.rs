@@ -2,7 +2,7 @@
 
 use super::fitted::{Floors, explained};
 use super::prepare::Searched;
-use super::twin::{Above, Twins};
+use super::twin::Twins;
 use crate::locate::Leftover;
 use crate::report::{Answer, EffectAnswer, FitAnswer, Verdict};
 use crate::screen::{Active, MIN_GAIN};
@@ -64,16 +64,19 @@ fn is_unknown(searched: &Searched, answer: &Answer, left: &Leftover, floors: &Fl
     let memory = searched.problem.machine(active).remembers();
     let held_out_rms = fit.heldout_after_rms;
     let smooth = memory || left.excess < ROUGH && !active.is_empty();
-    // Standstill tells nothing in the weak form, and may tell all in the windows.
+    // Standstill tells nothing in the weak form, and may tell all in the windows. The floor of a recording is made by a few of
+    // its windows, so what was held out must be above that of what was fitted too.
+    let fitted = fit.noise_floor_rms;
     let above_floor = match smooth {
-        true => floors.held_out.is_some_and(|above| above.exceeded(held_out_rms, OVER_SMOOTH_FLOOR)),
+        true => floors.held_out.is_some_and(|above| {
+            above.exceeded(held_out_rms, OVER_SMOOTH_FLOOR) && held_out_rms > OVER_SMOOTH_FLOOR * fitted
+        }),
         false => floors.fitted.is_some_and(|above| above.exceeded(fit.after_rms, OVER_FLOOR)),
     };
     // A twin that scatters far more than the recording was given as noise what is none; of a machine with a memory it may
     // scatter because its windows start from a state that is known less well.
-    let pairs = [(floors.fitted, fit.after_rms), (floors.held_out, held_out_rms)];
-    let swallows = |(above, rms): (Option<Above>, f64)| above.is_some_and(|above| above.swallows(rms, SWALLOWED));
-    let swallowed = !memory && pairs.into_iter().any(swallows);
+    let least = fit.after_rms.min(held_out_rms);
+    let swallowed = !memory && floors.fitted.is_some_and(|above| above.swallows(least, SWALLOWED));
     if active.is_empty() {
         // Far above the noise is something, even where no channel of state predicts it.
         return above_floor || swallowed || left.excess > 2.5 || left.gain >= MIN_GAIN && left.excess > 1.5;

@@ -62,22 +62,12 @@ fn recording(motion: &Motion, positions: &[f64], axis: AxisKind) -> Recording {
     }
     Recording {
         name: "simulated".to_owned(),
-        axis,
         t_s: motion.t_s.clone(),
         position,
         effort_cmd: motion.commands.iter().map(|command| command.torque).collect(),
-        reference: None,
         field_cmd_kv_mm: Some(motion.commands.iter().map(|command| command.field_kv_mm).collect()),
-        mode: None,
         velocity: Some(motion.commands.iter().map(|command| command.speed_estimate).collect()),
-        effort_meas: None,
-        field_meas_kv_mm: None,
-        temperature_c: None,
-        seq: None,
-        fault: None,
-        counts: None,
-        gaps: Vec::new(),
-        extra: Vec::new(),
+        ..Recording::empty(axis)
     }
 }
 

@@ -180,22 +180,14 @@ impl Recording {
         }
         Self {
             name: self.name.clone(),
-            axis: self.axis,
             t_s: cut(&self.t_s, ranges),
             position: cut(&self.position, ranges),
             effort_cmd: cut(&self.effort_cmd, ranges),
-            reference: None,
             field_cmd_kv_mm: self.field_cmd_kv_mm.as_ref().map(|values| cut(values, ranges)),
             mode: self.mode.as_ref().map(|values| cut(values, ranges)),
             velocity: self.velocity.as_ref().map(|values| cut(values, ranges)),
-            effort_meas: None,
-            field_meas_kv_mm: None,
-            temperature_c: None,
-            seq: None,
-            fault: None,
-            counts: None,
             gaps,
-            extra: Vec::new(),
+            ..Self::empty(self.axis)
         }
     }
 
@@ -238,7 +230,8 @@ impl Recording {
         Ok(recording)
     }
 
-    fn empty(axis: AxisKind) -> Self {
+    /// Without a name, rows or any column that a recording may lack.
+    pub(crate) fn empty(axis: AxisKind) -> Self {
         Self {
             name: String::new(),
             axis,

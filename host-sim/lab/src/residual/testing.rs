@@ -9,22 +9,10 @@ use crate::read::{AxisKind, Recording};
 pub(crate) fn recording(t_s: Vec<f64>, position: Vec<f64>) -> Recording {
     Recording {
         name: "hand.csv".to_owned(),
-        axis: AxisKind::Rotary,
         effort_cmd: vec![0.0; t_s.len()],
         t_s,
         position,
-        reference: None,
-        field_cmd_kv_mm: None,
-        mode: None,
-        velocity: None,
-        effort_meas: None,
-        field_meas_kv_mm: None,
-        temperature_c: None,
-        seq: None,
-        fault: None,
-        counts: None,
-        gaps: Vec::new(),
-        extra: Vec::new(),
+        ..Recording::empty(AxisKind::Rotary)
     }
 }
 

@@ -53,6 +53,8 @@ pub struct Motion {
     /// The controller's estimate of the speed, recorded or rebuilt.
     pub(crate) speed_estimate: Vec<f64>,
     pub(crate) glitches: Vec<Glitch>,
+    /// How far from its neighbours a sample must be to be taken as wrong, rad (m).
+    pub(crate) glitch_limit: f64,
     /// Standard deviation of a position sample, rad (m).
     pub(crate) noise: f64,
     /// Median sample period, s.
@@ -65,7 +67,7 @@ impl Motion {
     pub(crate) fn new(recording: &Recording, nominal: &Physics, resolution: f64) -> Self {
         let t_s = recording.t_s.clone();
         let period_s = median_period_s(&t_s);
-        let (position, glitches) = repair(recording, nominal, resolution, period_s);
+        let (position, glitches, glitch_limit) = repair(recording, nominal, resolution, period_s);
         let still = still_cells(&t_s, &position, resolution);
         let drive = held_means(&t_s, &recording.effort_cmd, nominal.torque_delay_s);
         let acceleration = |drag: &[f64]| -> Vec<f64> {
@@ -101,6 +103,7 @@ impl Motion {
             field: recording.field_cmd_kv_mm.clone(),
             braking: recording.mode.as_ref().map(|mode| mode.iter().map(|&m| m == Mode::Brake).collect()),
             glitches,
+            glitch_limit,
             noise: 0.0,
             period_s,
             t_s,
@@ -289,13 +292,13 @@ fn widened(t_s: &[f64], marked: &[bool]) -> Vec<bool> {
 /// 1/9 of the step times the period squared, and by less anywhere else; twice that, for a step that comes with another.
 const IN_STENCIL: f64 = 2.0 / 9.0;
 
-/// Replaces isolated wrong samples by the cubic through their neighbours.
-fn repair(recording: &Recording, nominal: &Physics, resolution: f64, period_s: f64) -> (Vec<f64>, Vec<Glitch>) {
+/// Replaces isolated wrong samples by the cubic through their neighbours; and how far from it a sample must be to be wrong, rad (m).
+fn repair(recording: &Recording, nominal: &Physics, resolution: f64, period_s: f64) -> (Vec<f64>, Vec<Glitch>, f64) {
     let t_s = &recording.t_s;
     let mut position = recording.position.clone();
     let count = position.len();
     if count < 9 {
-        return (position, Vec::new());
+        return (position, Vec::new(), f64::INFINITY);
     }
     let excess = |position: &[f64], row: usize| position[row] - through_neighbours(t_s, position, row);
     let mut spread: Vec<f64> = (2..count - 2).map(|row| excess(&position, row).abs()).collect();
@@ -319,7 +322,7 @@ fn repair(recording: &Recording, nominal: &Physics, resolution: f64, period_s: f
         }
         row += 1;
     }
-    (position, glitches)
+    (position, glitches, allowed)
 }
 
 /// Lagrange's cubic through the two samples before and the two after, at a row.

@@ -126,7 +126,8 @@ impl Floor {
         let mut again = |all: &[(f64, usize)]| mean((0..all.len()).map(|_| all[random.random_range(0..all.len())]));
         let mut drawn: Vec<f64> = (0..DRAWS).map(|_| ratio(again(&noise), again(&left))).collect();
         drawn.sort_by(f64::total_cmp);
-        let floor = windows.rms() / ratio(mean(noise.into_iter()), mean(left.into_iter()));
+        let (noise, left) = (mean(noise.into_iter()), mean(left.into_iter()));
+        let floor = if left > 0.0 { windows.rms() / ratio(noise, left) } else { noise.sqrt() };
         let at = |quantile: f64| drawn[(quantile * (DRAWS - 1) as f64).round() as usize];
         Some(Above { floor, least: at(0.05), most: at(0.95) })
     }
