@@ -292,7 +292,8 @@ fn widened(t_s: &[f64], marked: &[bool]) -> Vec<bool> {
 /// 1/9 of the step times the period squared, and by less anywhere else; twice that, for a step that comes with another.
 const IN_STENCIL: f64 = 2.0 / 9.0;
 
-/// Replaces isolated wrong samples by the cubic through their neighbours; and how far from it a sample must be to be wrong, rad (m).
+/// Replaces isolated wrong samples by the cubic through their neighbours; and how far from it a sample must be to be wrong,
+/// rad (m).
 fn repair(recording: &Recording, nominal: &Physics, resolution: f64, period_s: f64) -> (Vec<f64>, Vec<Glitch>, f64) {
     let t_s = &recording.t_s;
     let mut position = recording.position.clone();

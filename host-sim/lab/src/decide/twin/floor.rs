@@ -93,7 +93,8 @@ pub fn noise_floor(
 }
 
 impl Above {
-    /// Whether a root mean square that is left, rad (m), is more than so many times the floor, and no accident of a few windows.
+    /// Whether a root mean square that is left, rad (m), is more than so many times the floor, and no accident of a few
+    /// windows.
     pub fn exceeded(&self, rms: f64, times: f64) -> bool {
         rms > times * self.floor && self.least > 1.0
     }
