@@ -90,7 +90,7 @@ pub(super) fn fit_answer(
 
 /// The recordings without isolated wrong samples.
 fn repaired(searched: &Searched) -> Cow<'_, [Recording]> {
-    if searched.problem.wrong_samples().is_empty() {
+    if searched.problem.wrong_samples() == 0 {
         return Cow::Borrowed(&searched.recordings);
     }
     let pairs = searched.recordings.iter().zip(&searched.problem.motions);

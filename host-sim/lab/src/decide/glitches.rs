@@ -26,7 +26,7 @@ const HALVINGS: usize = 40;
 /// In words, that there are isolated wrong samples where they may not be named: a recording that is clean only without them
 /// is not clean.
 pub(super) fn unnamed_glitches(request: &Request<'_>, problem: &Problem) -> Option<String> {
-    let count = problem.wrong_samples().len();
+    let count = problem.wrong_samples();
     let barred = !request.vocabulary.iter().any(|effect| effect.id == "sensor_glitch");
     (barred && count >= MANY)
         .then(|| format!("{count} isolated position samples are wrong, and nothing in the vocabulary makes them so"))
@@ -35,7 +35,7 @@ pub(super) fn unnamed_glitches(request: &Request<'_>, problem: &Problem) -> Opti
 /// Isolated wrong samples, as an effect.
 pub(super) fn glitches(request: &Request<'_>, problem: &Problem) -> Option<EffectAnswer> {
     let kind = request.vocabulary.iter().find(|effect| effect.id == "sensor_glitch")?;
-    if problem.wrong_samples().len() < MANY {
+    if problem.wrong_samples() < MANY {
         return None;
     }
     let rounding = request.machine.axis.resolution / 12.0_f64.sqrt();
@@ -78,7 +78,7 @@ impl Seen {
         (self.limit - size) / self.scatter
     }
 
-    /// How far above the limit, in standard deviations and on average, the part of a standard normal distribution beyond it is.
+    /// How far above a size, in standard deviations and on average, what is seen of it is.
     fn mean_beyond(&self, size: f64) -> f64 {
         let (normal, limit) = (Normal::standard(), self.above(size));
         // Beyond the reach of the functions, by the first two terms of the continued fraction.

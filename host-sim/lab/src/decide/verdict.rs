@@ -129,7 +129,7 @@ pub(super) fn warnings(searched: &Searched, left: &Leftover, verdict: Verdict) -
             if left.channel.is_empty() { "no channel of state" } else { &left.channel }
         ));
     }
-    let repaired = searched.problem.wrong_samples().len();
+    let repaired = searched.problem.wrong_samples();
     if repaired > 0 {
         warnings.push(format!("{repaired} isolated wrong position samples were left out"));
     }

@@ -144,9 +144,9 @@ impl Problem {
         self.motions[..self.fitted].iter().map(range).fold(0.0, f64::max)
     }
 
-    /// By how much each isolated wrong sample of all recordings is wrong, without its sign, rad (m).
-    pub(crate) fn wrong_samples(&self) -> Vec<f64> {
-        self.motions.iter().flat_map(|motion| &motion.glitches).map(|glitch| glitch.size.abs()).collect()
+    /// Number of isolated wrong samples in all recordings.
+    pub(crate) fn wrong_samples(&self) -> usize {
+        self.motions.iter().map(|motion| motion.glitches.len()).sum()
     }
 
     /// The block that a time of a recording belongs to.
