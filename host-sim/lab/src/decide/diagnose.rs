@@ -2,7 +2,7 @@
 
 use super::checks::self_checks;
 use super::closest::closest;
-use super::coincidence::{bent, coincidences, flat, may_be_no_gap, spread};
+use super::coincidence::{bent, coincidences, flat, may_be_no_gap, spread, undecided};
 use super::confirmed::confirm;
 use super::controller::mismatch;
 use super::equivalents::contested;
@@ -178,6 +178,7 @@ fn judge(
     stages.done("windows");
     let mut reasons = coincidences(problem, &answer.effects, improved, (request.vocabulary, axis));
     reasons.extend([bent, spread].into_iter().filter_map(|rule| rule(problem, &searched.outcome)));
+    reasons.extend(undecided(problem, &searched.outcome, request.vocabulary));
     reasons.extend(unnamed_glitches(request, problem).filter(|_| answer.effects.is_empty()));
     reasons.extend(flat(problem, &searched.outcome, &answer.effects));
     reasons.extend(at_bound(&searched.outcome.fit.active, &refined.active));

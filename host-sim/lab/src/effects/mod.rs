@@ -148,8 +148,8 @@ pub struct Excitation {
     pub orders: Vec<f64>,
     /// Pushes that stand out of the residual.
     pub pulses: Vec<Pulse>,
-    /// Frequencies that stand out of the residual, Hz.
-    pub frequencies_hz: Vec<f64>,
+    /// Tones that stand out of the residual, best first.
+    pub tones: Vec<Vibration>,
 }
 
 /// One entry of the vocabulary.
@@ -319,8 +319,8 @@ mod tests {
     #[test]
     fn the_order_is_that_of_the_table_of_names_and_every_effect_reports_what_it_names() {
         assert_eq!(VOCABULARY.len(), EFFECTS.len());
-        let sizes =
-            Excitation { orders: vec![7.0], pulses: vec![PULSE], frequencies_hz: vec![5.0], ..Excitation::default() };
+        let tones = vec![Vibration { frequency_hz: 5.0, phasors: vec![(0.0, 0.0)] }];
+        let sizes = Excitation { orders: vec![7.0], pulses: vec![PULSE], tones, ..Excitation::default() };
         let physics = Physics::nominal(&machine());
         for (effect, kind) in VOCABULARY.iter().zip(EFFECTS) {
             assert_eq!(effect.id, kind.id);

@@ -9,10 +9,11 @@ pub static EFFECT: Effect = Effect {
     parameters: &[free(0.1, 1000.0, 0.1), sized(Size::Torque, -1e2, 1e2, 0.05)],
     applies: always,
     starts: |_, e| {
-        e.frequencies_hz
-            .iter()
-            .map(|&f| std::iter::once(f).chain(std::iter::repeat_n(0.01 * e.torque_rms, 2 * e.recordings)).collect())
-            .collect()
+        let values = |tone: &Vibration| {
+            let phasors = tone.phasors.iter().flat_map(|&(sine, cosine)| [sine, cosine]);
+            std::iter::once(tone.frequency_hz).chain(phasors).collect()
+        };
+        e.tones.iter().map(values).collect()
     },
     put: |p, v| {
         p.vibration = Some(Vibration {

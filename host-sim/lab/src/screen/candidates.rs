@@ -2,7 +2,7 @@
 
 use super::fit::Fit;
 use super::problem::Problem;
-use crate::effects::{Excitation, Physics, Pulse};
+use crate::effects::{Excitation, Physics, Pulse, Vibration};
 
 /// Highest order per revolution that is looked for.
 const MAX_ORDER: usize = 160;
@@ -55,7 +55,7 @@ pub(crate) fn excitation(problem: &Problem, physics: &Physics, residual: &[f64],
         linear,
         orders: orders(&fine, travel, linear),
         pulses: pulses(problem, residual),
-        frequencies_hz: frequencies(&fine, duration_s),
+        tones: tones(&fine, duration_s, problem.motions.len()),
     }
 }
 
@@ -113,36 +113,45 @@ fn orders(points: &[Point], travel: f64, linear: bool) -> Vec<f64> {
     peaks(&grid, &spectrum)
 }
 
-fn frequencies(points: &[Point], duration_s: f64) -> Vec<f64> {
+/// Tones with what each recording to fit has of them: from another phase the first step would change the frequency too much.
+fn tones(points: &[Point], duration_s: f64, recordings: usize) -> Vec<Vibration> {
     if points.len() < 20 {
         return Vec::new();
     }
     let step_hz = 0.5 / duration_s.clamp(0.5, 20.0);
     let count = (MAX_FREQUENCY_HZ / step_hz) as usize;
     let grid: Vec<f64> = (2..count).map(|k| k as f64 * step_hz).collect();
-    let recordings = points.last().map_or(0, |point| point.recording + 1);
-    let mut spectrum = vec![0.0; grid.len()];
-    for recording in 0..recordings {
+    let of_recording = |recording: usize| -> Vec<&Point> {
         let from = points.partition_point(|point| point.recording < recording);
         let to = points.partition_point(|point| point.recording <= recording);
-        let stride = (to - from).div_ceil(4000).max(1);
-        let part: Vec<&Point> = points[from..to].iter().step_by(stride).collect();
-        for (value, hz) in spectrum.iter_mut().zip(&grid) {
-            *value += tone(&part, std::f64::consts::TAU * hz);
-        }
-    }
-    peaks(&grid, &spectrum)
+        points[from..to].iter().step_by((to - from).div_ceil(4000).max(1)).collect()
+    };
+    let parts: Vec<Vec<&Point>> = (0..recordings).map(of_recording).collect();
+    let power = |hz: f64| {
+        let powers = parts.iter().map(|part| {
+            let (sine, cosine) = phasor(part, hz);
+            0.5 * part.len() as f64 * (sine * sine + cosine * cosine)
+        });
+        powers.sum::<f64>()
+    };
+    let spectrum: Vec<f64> = grid.iter().map(|&hz| power(hz)).collect();
+    let tone = |frequency_hz: f64| Vibration {
+        frequency_hz,
+        phasors: parts.iter().map(|part| phasor(part, frequency_hz)).collect(),
+    };
+    peaks(&grid, &spectrum).into_iter().map(tone).collect()
 }
 
-/// Power of one frequency; the sums of squares are half the count closely enough to rank.
-fn tone(points: &[&Point], omega: f64) -> f64 {
+/// Amplitudes of sine and cosine at one frequency; the sums of squares are half the count closely enough to rank.
+fn phasor(points: &[&Point], frequency_hz: f64) -> (f64, f64) {
     let (mut sine_sum, mut cosine_sum) = (0.0, 0.0);
     for point in points {
-        let (sine, cosine) = (omega * point.t_s).sin_cos();
+        let (sine, cosine) = (std::f64::consts::TAU * frequency_hz * point.t_s).sin_cos();
         sine_sum += point.value * sine;
         cosine_sum += point.value * cosine;
     }
-    2.0 * (sine_sum * sine_sum + cosine_sum * cosine_sum) / points.len().max(1) as f64
+    let share = 2.0 / points.len().max(1) as f64;
+    (share * sine_sum, share * cosine_sum)
 }
 
 /// How much more than any other span of its recording a push must explain, in what is left once it is known.
@@ -202,4 +211,29 @@ fn best_span(points: &[(f64, f64)]) -> Option<(f64, usize, usize)> {
         }
     }
     best
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    #[test]
+    fn a_tone_begins_with_its_phase_in_each_recording() {
+        let shaken = [(0.3, -0.1), (0.0, 0.2)];
+        let point = |recording: usize, number: u32| {
+            let t_s = 0.004 * f64::from(number);
+            let (sine, cosine) = (std::f64::consts::TAU * 32.8 * t_s).sin_cos();
+            let (s, c) = shaken[recording];
+            Point { recording, t_s, position: 0.0, value: s * sine + c * cosine }
+        };
+        let points: Vec<Point> = (0..2).flat_map(|recording| (0..2000).map(move |n| point(recording, n))).collect();
+        let first = tones(&points, 8.0, 3).remove(0);
+        assert!((first.frequency_hz - 32.8).abs() < 0.07);
+        assert_eq!(first.phasors[2], (0.0, 0.0));
+        for ((sine, cosine), (s, c)) in first.phasors.into_iter().zip(shaken) {
+            let along = (sine * s + cosine * c) / (s.hypot(c) * sine.hypot(cosine));
+            assert!(along > 0.5, "{sine} {cosine}");
+        }
+    }
 }

@@ -1,9 +1,10 @@
 //! A fluid whose torque bends over the field otherwise than its law.
 //!
 //! The ER torque a E^2 + b E under a gain of the field or a scale of its own keeps the family of its curve: gain and scale
-//! change a and b in a fixed proportion. Where a must change by itself beside them, neither is the cause.
+//! change a and b in a fixed proportion. Where a must change by itself beside them, neither is the cause. The two differ in
+//! that proportion only, so that one of them is a claim about the bend too.
 
-use crate::effects::{Effect, as_fitted, free, with_field};
+use crate::effects::{Effect, as_fitted, find, free, with_field};
 use crate::screen::{MAX_P, MIN_T, Outcome, Problem, Refitter, fall_t};
 
 /// Effects that claim to know what became of the curve.
@@ -45,13 +46,39 @@ pub(in crate::decide) fn bent(problem: &Problem, outcome: &Outcome) -> Option<St
     })
 }
 
+/// In words, that the effect which scales the curve is not told from the other one, which the `vocabulary` does not have. One
+/// that may be named is among the equivalents.
+pub(in crate::decide) fn undecided(
+    problem: &Problem,
+    outcome: &Outcome,
+    vocabulary: &[&'static Effect],
+) -> Option<String> {
+    let (claims, beside): (Vec<_>, Vec<_>) =
+        outcome.fit.active.iter().cloned().partition(|entry| CLAIMS.contains(&entry.effect.id));
+    let claim = claims.first()?;
+    let other = CLAIMS.into_iter().find(|id| *id != claim.effect.id).and_then(find)?;
+    if vocabulary.iter().any(|effect| effect.id == other.id) {
+        return None;
+    }
+    let refitter = Refitter::new(problem, outcome);
+    let claimed = refitter.fit(&outcome.fit.active);
+    let start = refitter.starts(&beside, other).into_iter().next()?;
+    let swapped = refitter.fit(&[beside.as_slice(), &[start]].concat());
+    (fall_t(&swapped.heldout, &claimed.heldout) < MIN_T).then(|| {
+        format!(
+            "{}: a factor on the whole of the fluid's torque and one on its field are not told apart by these recordings",
+            claim.effect.id
+        )
+    })
+}
+
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::super::tests::nominal;
     use super::*;
     use crate::decide::testing::multisine;
-    use crate::effects::find;
+    use crate::effects::Physics;
     use crate::screen::{Motion, Search};
 
     #[test]
@@ -67,5 +94,24 @@ mod tests {
         };
         assert!(called("field_gain").unwrap().starts_with("field_gain: "));
         assert_eq!(called("er_strength"), None);
+    }
+
+    #[test]
+    fn a_gain_alone_in_the_vocabulary_must_be_told_from_a_strength() {
+        let (gain, strength) = (find("field_gain").unwrap(), find("er_strength").unwrap());
+        let judged = |change: fn(&mut Physics), vocabulary: &[&'static Effect]| {
+            let mut machine = nominal();
+            change(&mut machine);
+            let recorded = multisine(&machine, 0.05, 8.0, 3);
+            let problem = Problem::new(vec![Motion::new(&recorded, &nominal(), 1.3e-5)], 1, nominal());
+            let outcome = Search::new(&problem, &[gain], false).run(&[]);
+            assert_eq!(outcome.fit.active.len(), 1);
+            undecided(&problem, &outcome, vocabulary)
+        };
+        let weak: fn(&mut Physics) = |machine| machine.damper.as_mut().unwrap().scale = 0.8;
+        let low: fn(&mut Physics) = |machine| machine.damper.as_mut().unwrap().gain = 0.8;
+        assert!(judged(weak, &[gain]).unwrap().starts_with("field_gain: "));
+        assert_eq!(judged(weak, &[gain, strength]), None);
+        assert_eq!(judged(low, &[gain]), None);
     }
 }

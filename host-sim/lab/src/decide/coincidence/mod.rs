@@ -11,7 +11,7 @@ mod nothing;
 mod shape;
 mod spread;
 
-pub(super) use curve::bent;
+pub(super) use curve::{bent, undecided};
 pub(super) use flat::flat;
 pub(super) use spread::spread;
 
