@@ -88,10 +88,15 @@ fn is_unknown(searched: &Searched, answer: &Answer, left: &Leftover, floors: &Fl
     let poor = explains < EXPLAINS || left.excess > FAR && rough;
     // What is below the noise and not seen in the windows is the bumps' own.
     let predictable = left.gain > PREDICTABLE && (left.excess > 1.0 || windows_left);
-    let substitute = predictable || left.excess < ROUGH && comparable(&answer.effects, fit, floors);
+    // The bumps blur what a load does, so that there the windows must say so too.
+    let windows_above = || floors.fitted.is_some_and(|above| above.exceeded(fit.after_rms, LEFT));
+    let substitute = match memory {
+        true => predictable && windows_above(),
+        false => predictable || left.excess < ROUGH && comparable(&answer.effects, fit, floors),
+    };
     // What predicts the torque balance and drives the simulation off is not how the machine moves.
     let astray = fit.after_rms > ASTRAY * fit.before_rms || held_out_rms > ASTRAY * fit.heldout_before_rms;
-    poor || astray || substitute && !memory || above_floor || swallowed
+    poor || astray || substitute || above_floor || swallowed
 }
 
 /// Whether what the windows have above their floor is as much as the weakest effect explains in them.
