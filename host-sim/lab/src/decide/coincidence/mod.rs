@@ -92,12 +92,14 @@ pub(super) fn may_be_no_gap(effects: &[EffectAnswer]) -> bool {
     gap.is_some_and(|gap| gap.low <= 0.0)
 }
 
-/// A bias of the drive is within its limit; a limit higher by as much says that this one is not the drive's.
+/// A bias of the drive is within its limit; a limit higher by as much, or by so much that nothing reaches it (its interval has
+/// no width), says that this one is not the drive's.
 fn behind_the_limit(nominal: &Physics, effects: &[EffectAnswer]) -> Option<String> {
     let offset = first(effects, "torque_offset")?.beyond(nominal.torque_offset);
     let raised = first(effects, "torque_saturation")?.beyond(nominal.torque_limit);
     let size = if offset.value < 0.0 { offset.negative() } else { offset };
-    size.agrees(raised).then(|| {
+    let unreached = raised.half == 0.0 && raised.value > 0.0;
+    (unreached || size.agrees(raised)).then(|| {
         format!(
             "torque_offset of {:.4} acts on top of the drive's limit too, which a bias of the drive cannot: something behind \
              the drive pushes one way",
@@ -255,12 +257,15 @@ mod tests {
 
     #[test]
     fn an_offset_that_the_limit_does_not_clip_is_not_the_drives() {
-        let limited = |limit: f64| {
-            let machine = Physics { torque_limit: 30.0, ..nominal() };
-            behind_the_limit(&machine, &[effect("torque_offset", &[-0.2]), effect("torque_saturation", &[limit])])
-        };
-        assert!(limited(30.2).is_some());
-        assert!(limited(20.0).is_none() && limited(31.0).is_none());
+        let machine = Physics { torque_limit: 30.0, ..nominal() };
+        let offset = effect("torque_offset", &[-0.2]);
+        let judged = |limit: EffectAnswer| behind_the_limit(&machine, &[offset.clone(), limit]);
+        let limited = |limit: f64| effect("torque_saturation", &[limit]);
+        assert!(judged(limited(30.2)).is_some());
+        assert!(judged(limited(20.0)).is_none() && judged(limited(31.0)).is_none());
+        let mut unreached = limited(31.0);
+        unreached.parameters.iter_mut().for_each(|limit| (limit.low, limit.high) = (limit.value, limit.value));
+        assert!(judged(unreached).is_some());
     }
 
     #[test]
