@@ -88,8 +88,8 @@ pub(super) fn descend(gauge: &Gauge<'_>, start: Point, count: usize, goal: Goal)
     Ok(point)
 }
 
-/// Tries each value up and down by parts of its deviation, until neither of two parts in a row lowers anything; never ends
-/// above its start.
+/// Tries each value that the windows tell up and down by parts of its deviation, until neither of two parts in a row lowers
+/// anything; never ends above its start.
 fn compass(gauge: &Gauge<'_>, mut point: Point, normal: &DMatrix<f64>) -> Result<Point, plant::Error> {
     let count = normal.nrows();
     let follow = |point: &Point| -> Result<Vec<Slopes>, plant::Error> {
@@ -99,10 +99,10 @@ fn compass(gauge: &Gauge<'_>, mut point: Point, normal: &DMatrix<f64>) -> Result
     let mut idle = 0;
     for part in COMPASS {
         let before = point.loss();
-        for index in 0..count {
+        for index in (0..count).filter(|&index| normal[(index, index)] > 0.0) {
             for sign in [1.0, -1.0] {
                 let mut step = DVector::zeros(count);
-                step[index] = sign * part / normal[(index, index)].max(1e-300).sqrt();
+                step[index] = sign * part / normal[(index, index)].sqrt();
                 let Ok(tried) = gauge.after(&point, &slopes, &step) else { continue };
                 let tried = gauge.settled(tried, 2)?;
                 if tried.loss() < point.loss() {

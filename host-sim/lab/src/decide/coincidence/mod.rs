@@ -7,6 +7,7 @@
 
 mod curve;
 mod flat;
+mod motion;
 mod nothing;
 mod shape;
 mod spread;
@@ -81,6 +82,7 @@ pub(super) fn coincidences(
     }
     found.extend(behind_the_limit(nominal, effects));
     found.extend(nothing::coincidences(nominal, effects));
+    found.extend(motion::in_step(problem, effects));
     found.extend(scaled_by_the_sensor(problem, effects).filter(|_| axis == AxisKind::Rotary));
     found.extend(shape::coincidences(problem, effects, improved, &barred));
     found
