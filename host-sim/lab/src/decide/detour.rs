@@ -5,7 +5,11 @@
 
 use super::Request;
 use super::prepare::searcher;
-use crate::screen::{Outcome, Problem, Refitter};
+use crate::effects::Effect;
+use crate::screen::{MIN_GAIN, Outcome, Problem, Refitter};
+
+/// Stands for every other torque together, and so in the way of each.
+const SCALE: &str = "torque_gain";
 
 /// A model that leaves less than this many times the noise, in mean squares, is an end.
 const AN_END: f64 = 3.0;
@@ -14,8 +18,10 @@ const WAYS: usize = 2;
 /// Another model must leave less than this share of the held-out squares.
 const SHORTER: f64 = 0.8;
 
-/// The outcome of a search from the nominal machine, or a better one that begins with another accepted effect.
+/// The outcome of a search from the nominal machine, or a better one that does without the scale of the drive or begins with
+/// another accepted effect.
 pub(super) fn detour(request: &Request<'_>, problem: &Problem, first: Outcome) -> Outcome {
+    let first = without_scale(request, problem, first);
     let at_an_end = |outcome: &Outcome| outcome.fit.sse < AN_END * outcome.fit.residual_count();
     if at_an_end(&first) {
         return first;
@@ -26,7 +32,7 @@ pub(super) fn detour(request: &Request<'_>, problem: &Problem, first: Outcome) -
     let mut best = first;
     for way in ways.iter().take(WAYS) {
         let other = searcher(request, problem).run(&way.fit.active);
-        if leaves_less(problem, &other, &best) {
+        if leaves_less(problem, &other, &best, SHORTER) {
             best = other;
         }
         if at_an_end(&best) {
@@ -36,11 +42,31 @@ pub(super) fn detour(request: &Request<'_>, problem: &Problem, first: Outcome) -
     best
 }
 
-/// Whether an outcome predicts clearly better than another, under the weights of either.
-fn leaves_less(problem: &Problem, one: &Outcome, other: &Outcome) -> bool {
+/// The outcome of a search that may not change the scale of the drive, where another's did and this predicts clearly better or
+/// as well with fewer effects: positions and commands fix the balance up to one scale, and of the machines that one scale makes
+/// alike the one with the fewest changes comes first.
+fn without_scale(request: &Request<'_>, problem: &Problem, first: Outcome) -> Outcome {
+    let scaled = first.fit.active.iter().any(|entry| entry.effect.id == SCALE);
+    if !scaled || first.fit.active.len() < 2 {
+        return first;
+    }
+    let vocabulary: Vec<&'static Effect> =
+        request.vocabulary.iter().copied().filter(|effect| effect.id != SCALE).collect();
+    let other = searcher(&Request { vocabulary: &vocabulary, ..*request }, problem).run(&[]);
+    let fewer = !other.fit.active.is_empty() && other.fit.active.len() < first.fit.active.len();
+    let as_well = (1.0 - MIN_GAIN).powi(-2);
+    if leaves_less(problem, &other, &first, SHORTER) || fewer && leaves_less(problem, &other, &first, as_well) {
+        other
+    } else {
+        first
+    }
+}
+
+/// Whether an outcome leaves less than a share of the held-out squares of another, under the weights of either.
+fn leaves_less(problem: &Problem, one: &Outcome, other: &Outcome, share: f64) -> bool {
     [one, other].into_iter().all(|weights| {
         let refitter = Refitter::new(problem, weights);
         let heldout = |outcome: &Outcome| refitter.fit(&outcome.fit.active).heldout_sse();
-        heldout(one) < SHORTER * heldout(other)
+        heldout(one) < share * heldout(other)
     })
 }
