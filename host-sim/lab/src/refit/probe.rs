@@ -13,8 +13,11 @@ use crate::screen::{Active, Problem, minimise};
 
 /// A window with more than this times its freedom is far.
 const FAR: f64 = 1.5;
-/// Fewer are what a little luck makes of stick and slip.
+/// Fewer are what a little luck makes of stick and slip,
 const FEW: usize = 3;
+/// unless one has more than this times its freedom: luck made no more than four of one in clean recordings, and a push
+/// against a rotor that holds may be over within two windows.
+const LONE: f64 = 8.0;
 /// So many far windows, spread evenly, are enough to compare values by.
 const ENOUGH: usize = 60;
 /// Two far windows with no more than this many between them are one event.
@@ -59,7 +62,8 @@ impl<'a> Probe<'a> {
         let spans = &gauge.tracks.spans;
         let far: Vec<bool> = spans.iter().zip(&fit.losses).map(|(span, loss)| *loss > FAR * span.freedom()).collect();
         let count = far.iter().filter(|far| **far).count();
-        if count < FEW {
+        let lone = || spans.iter().zip(&fit.losses).any(|(span, loss)| *loss > LONE * span.freedom());
+        if count < FEW && !lone() {
             return None;
         }
         let events = events(&gauge.tracks, &far, &fit.losses);
