@@ -6,7 +6,7 @@
 use super::Request;
 use super::prepare::searcher;
 use crate::effects::Effect;
-use crate::screen::{MIN_GAIN, Outcome, Problem, Refitter};
+use crate::screen::{Active, MIN_GAIN, Outcome, Problem, Refitter};
 
 /// Stands for every other torque together, and so in the way of each.
 const SCALE: &str = "torque_gain";
@@ -18,8 +18,8 @@ const WAYS: usize = 2;
 /// Another model must leave less than this share of the held-out squares.
 const SHORTER: f64 = 0.8;
 
-/// The outcome of a search from the nominal machine, or a better one that does without the scale of the drive or begins with
-/// another accepted effect.
+/// The outcome of a search from the nominal machine, or a better one that does without the scale of the drive, begins with what
+/// it came to miss most, or with another accepted effect.
 pub(super) fn detour(request: &Request<'_>, problem: &Problem, first: Outcome) -> Outcome {
     let first = without_scale(request, problem, first);
     let at_an_end = |outcome: &Outcome| outcome.fit.sse < AN_END * outcome.fit.residual_count();
@@ -29,9 +29,11 @@ pub(super) fn detour(request: &Request<'_>, problem: &Problem, first: Outcome) -
     let mut ways = searcher(request, problem).first_step();
     ways.retain(|way| !first.fit.active.iter().any(|entry| entry.effect == way.effect) && !way.effect.is_event());
     ways.sort_by(|a, b| a.fit.sse.total_cmp(&b.fit.sse));
+    let ways = ways.into_iter().take(WAYS).map(|way| way.fit.active);
+    let ways: Vec<Vec<Active>> = most_missed(problem, &first).into_iter().chain(ways).collect();
     let mut best = first;
-    for way in ways.iter().take(WAYS) {
-        let other = searcher(request, problem).run(&way.fit.active);
+    for way in &ways {
+        let other = searcher(request, problem).run(way);
         if leaves_less(problem, &other, &best, SHORTER) {
             best = other;
         }
@@ -60,6 +62,20 @@ fn without_scale(request: &Request<'_>, problem: &Problem, first: Outcome) -> Ou
     } else {
         first
     }
+}
+
+/// The effect without which a model of several leaves most, alone: what was found beside something that is not there may be as
+/// wrong as that.
+fn most_missed(problem: &Problem, outcome: &Outcome) -> Option<Vec<Active>> {
+    let active = &outcome.fit.active;
+    let refitter = Refitter::new(problem, outcome);
+    let without = |index: usize| {
+        let mut rest = active.clone();
+        let entry = rest.remove(index);
+        (refitter.fit(&rest).sse, vec![entry])
+    };
+    let alone = (0..active.len()).map(without).max_by(|a, b| a.0.total_cmp(&b.0));
+    alone.filter(|_| active.len() > 1).map(|(_, entry)| entry)
 }
 
 /// Whether an outcome leaves less than a share of the held-out squares of another, under the weights of either.

@@ -29,7 +29,7 @@ struct Rival {
     fit: Fit,
 }
 
-/// Exchanges effects for those that simulate better, and gives for each effect of the model that is left those that predict
+/// Exchanges effects for those that simulate better, or as well with fewer values, and gives for each effect of the model that is left those that predict
 /// not significantly worse in its place: those of the fewest parameters first, then by prediction.
 pub(super) fn contested(
     request: &Request<'_>,
@@ -97,10 +97,16 @@ fn rivals(refitter: &Refitter<'_>, best: &Fit, index: usize, vocabulary: &[&'sta
     found.into_iter().map(|(_, rival)| rival).collect()
 }
 
+/// Whether a rival needs fewer values than what it would replace.
+fn simpler(replaced: &Active, rival: Option<&Active>) -> bool {
+    let values = |entry: &Active| entry.effect.essential(&entry.values);
+    rival.is_some_and(|rival| values(rival) < values(replaced))
+}
+
 /// What simulation says of rivals.
 #[derive(Default)]
 struct Simulated {
-    /// The effects with the one that is better.
+    /// The effects with the one that is better, or as good and simpler.
     better: Option<Vec<Active>>,
     /// Those that are as good, whatever the torque balance says: a hundredth of its squares may be its own error.
     as_good: Vec<&'static Effect>,
@@ -130,6 +136,10 @@ fn simulated(searched: &Searched, refined: &Refined, index: usize, rivals: &mut 
         let worse_t = fall_t(&fit.heldout, &time.heldout);
         if worse_t < AS_GOOD_T {
             as_good.push(rivals[rank].effect);
+            if simpler(&time.active[index], fit.active.last()) && !worse(&rivals[rank].fit, best) {
+                better.get_or_insert(fit);
+                continue;
+            }
         }
         if worse_t > WORSE_T {
             dropped.push(rivals[rank].effect);
