@@ -27,10 +27,13 @@ pub(super) fn detour(request: &Request<'_>, problem: &Problem, first: Outcome) -
         return first;
     }
     let mut ways = searcher(request, problem).first_step();
+    let first_way = ways.first().map(|way| way.effect);
     ways.retain(|way| !first.fit.active.iter().any(|entry| entry.effect == way.effect) && !way.effect.is_event());
     ways.sort_by(|a, b| a.fit.sse.total_cmp(&b.fit.sse));
     let ways = ways.into_iter().take(WAYS).map(|way| way.fit.active);
-    let ways: Vec<Vec<Active>> = most_missed(problem, &first).into_iter().chain(ways).collect();
+    // From the first step that was taken the search would go the same way again.
+    let again = most_missed(problem, &first).filter(|entry| Some(entry.effect) != first_way);
+    let ways: Vec<Vec<Active>> = again.map(|entry| vec![entry]).into_iter().chain(ways).collect();
     let mut best = first;
     for way in &ways {
         let other = searcher(request, problem).run(way);
@@ -66,13 +69,13 @@ fn without_scale(request: &Request<'_>, problem: &Problem, first: Outcome) -> Ou
 
 /// The effect without which a model of several leaves most, alone: what was found beside something that is not there may be as
 /// wrong as that.
-fn most_missed(problem: &Problem, outcome: &Outcome) -> Option<Vec<Active>> {
+fn most_missed(problem: &Problem, outcome: &Outcome) -> Option<Active> {
     let active = &outcome.fit.active;
     let refitter = Refitter::new(problem, outcome);
     let without = |index: usize| {
         let mut rest = active.clone();
         let entry = rest.remove(index);
-        (refitter.fit(&rest).sse, vec![entry])
+        (refitter.fit(&rest).sse, entry)
     };
     let alone = (0..active.len()).map(without).max_by(|a, b| a.0.total_cmp(&b.0));
     alone.filter(|_| active.len() > 1).map(|(_, entry)| entry)
