@@ -6,10 +6,7 @@
 use super::Request;
 use super::prepare::searcher;
 use crate::effects::Effect;
-use crate::screen::{Active, MIN_GAIN, Outcome, Problem, Refitter};
-
-/// Stands for every other torque together, and so in the way of each.
-const SCALE: &str = "torque_gain";
+use crate::screen::{Active, MIN_GAIN, Outcome, Problem, Refitter, SCALE};
 
 /// A model that leaves less than this many times the noise, in mean squares, is an end.
 const AN_END: f64 = 3.0;

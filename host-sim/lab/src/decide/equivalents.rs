@@ -29,8 +29,8 @@ struct Rival {
     fit: Fit,
 }
 
-/// Exchanges effects for those that simulate better, or as well with fewer values, and gives for each effect of the model that is left those that predict
-/// not significantly worse in its place: those of the fewest parameters first, then by prediction.
+/// Exchanges effects for those that simulate better, or as well with fewer values, and gives for each effect of the model that
+/// is left those that predict not significantly worse in its place: those of the fewest parameters first, then by prediction.
 pub(super) fn contested(
     request: &Request<'_>,
     searched: &mut Searched,

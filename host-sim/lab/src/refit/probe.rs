@@ -15,8 +15,8 @@ use crate::screen::{Active, Problem, minimise};
 const FAR: f64 = 1.5;
 /// Fewer are what a little luck makes of stick and slip,
 const FEW: usize = 3;
-/// unless one has more than this times its freedom: luck made no more than four of one in clean recordings, and a push
-/// against a rotor that holds may be over within two windows.
+/// unless one has more than this times its freedom: luck made no more than 4.1 of one in seven sets of clean recordings, a push
+/// that is over within two windows of a rotor that holds made 10 to 83.
 const LONE: f64 = 8.0;
 /// So many far windows, spread evenly, are enough to compare values by.
 const ENOUGH: usize = 60;

@@ -30,5 +30,6 @@ pub(crate) use judge::{MIN_T, WORSE_T, f_test, fall_t, paired_t, t_of_mean};
 pub use motion::Motion;
 pub use problem::{Active, Problem};
 pub use refitter::Refitter;
+pub(crate) use search::SCALE;
 pub use search::{Outcome, Search};
 pub(crate) use simplex::minimise;

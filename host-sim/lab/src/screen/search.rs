@@ -22,8 +22,8 @@ const HALF: f64 = 0.1;
 /// so many of them are tried.
 const COUPLED: usize = 3;
 
-/// The scale of the drive stands for every other torque together: it comes last among equals.
-const SCALE: &str = "torque_gain";
+/// The scale of the drive stands for every other torque together, and so in the way of each: it comes last among equals.
+pub(crate) const SCALE: &str = "torque_gain";
 
 /// Where the search ended.
 #[derive(Debug, Clone)]
