@@ -163,7 +163,7 @@ impl Fitter<'_> {
             moved
         };
         let start = DVector::from_iterator(last.values.len(), last.values.iter().map(|value| value.max(1e-12).ln()));
-        let cost = |logs: &DVector<f64>| self.residual(&at(logs), Some(&base.parts)).0.norm_squared();
+        let cost = |logs: &DVector<f64>| self.squares(&self.residual(&at(logs), Some(&base.parts)).0);
         let (sse, logs) = minimise(&start, evaluations, cost);
         (sse, at(&logs))
     }
@@ -177,7 +177,7 @@ impl Fitter<'_> {
             let factor = 10.0_f64.powf(f64::from(k) / f64::from(SCANNED));
             let value = entry.values.first_mut()?;
             *value = (*value * factor).clamp(entry.ranges[0].low, entry.ranges[0].high);
-            Some((self.residual(&moved, Some(&base.parts)).0.norm_squared(), moved))
+            Some((self.squares(&self.residual(&moved, Some(&base.parts)).0), moved))
         });
         tried.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((f64::INFINITY, active.to_vec()))
     }
