@@ -1,5 +1,7 @@
 //! One effect on top of a model: from its start values to its optimum.
 
+use rayon::prelude::*;
+
 use super::candidates::orders_left;
 use super::fit::{Base, Fit, Fitter};
 use super::judge::MIN_GAIN;
@@ -11,7 +13,11 @@ use crate::effects::Effect;
 const FINALISTS: usize = 2;
 /// A start whose first step leaves more than this share of the squares is not worth a fit to the end.
 const HOPELESS: f64 = 0.985;
-/// Evaluations of a search without derivatives.
+/// Start values that are felt out a little where there are kinks: the best of a coarse grid may stand in another valley.
+const FELT: usize = 6;
+/// Evaluations of that,
+const SHORT: usize = 40;
+/// and of a search without derivatives to the end.
 const FEELS: usize = 120;
 
 /// Whether the residual has kinks in the values, so that a derivative at the start says little about the optimum.
@@ -65,10 +71,7 @@ impl Search<'_> {
         let variants = glimpsed.len();
         glimpsed.sort_by(|a, b| a.0.total_cmp(&b.0));
         if kinked(effect) {
-            // Where nothing on the grid is better than none of it, the rest is not worth the time.
-            glimpsed.truncate(if glimpsed.first().is_some_and(|best| best.0 < base.sse) { FINALISTS } else { 1 });
-            let promising = glimpsed.iter_mut().filter(|glimpsed| glimpsed.0 < base.sse);
-            promising.for_each(|glimpsed| feel_on(&fitter, base, known, glimpsed));
+            feel_out(&fitter, base, known, &mut glimpsed);
         }
         let (finalists, iterations) = match glimpsed.first() {
             Some((sse, _)) if *sse > HOPELESS * base.sse => (1, 2),
@@ -103,6 +106,23 @@ impl Search<'_> {
         }
         best
     }
+}
+
+/// Leaves of start values, best first, those that are worth a fit, as far as a search without derivatives brings them. Where
+/// nothing on the grid is better than none of it, the rest is not worth the time.
+fn feel_out(fitter: &Fitter<'_>, base: &Fit, known: &Base, glimpsed: &mut Vec<(f64, Active)>) {
+    let better = |glimpsed: &&mut (f64, Active)| glimpsed.0 < base.sse;
+    glimpsed.truncate(if glimpsed.first().is_some_and(|best| best.0 < base.sse) { FELT } else { 1 });
+    glimpsed.par_iter_mut().filter(better).for_each(|(sse, entry)| {
+        let start = [base.active.as_slice(), std::slice::from_ref(entry)].concat();
+        let (low, mut reached) = fitter.feel(&start, known, SHORT);
+        if let Some(found) = reached.pop().filter(|_| low < *sse) {
+            (*sse, *entry) = (low, found);
+        }
+    });
+    glimpsed.sort_by(|a, b| a.0.total_cmp(&b.0));
+    glimpsed.truncate(FINALISTS);
+    glimpsed.par_iter_mut().filter(better).for_each(|glimpsed| feel_on(fitter, base, known, glimpsed));
 }
 
 /// Goes on from a start without derivatives, with a scan between two passes.
