@@ -339,3 +339,30 @@ pub(crate) fn solve(normal: &DMatrix<f64>, gradient: &DVector<f64>, damping: f64
         .cholesky()
         .map_or_else(|| DVector::zeros(gradient.len()), |factor| -factor.solve(&pull).component_mul(&scale))
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::decide::testing::{machine, recording};
+    use crate::effects::{Physics, find};
+    use crate::screen::{Motion, Search};
+
+    #[test]
+    fn a_gap_is_felt_out_on_the_recordings_to_fit_only() {
+        let nominal = Physics::of(&machine(), &[]).unwrap();
+        let reached = |held_out: &Physics| {
+            let recordings = [recording(&nominal, 0.05, 2.0, 1), recording(held_out, 0.05, 2.0, 2)];
+            let motions = recordings.iter().map(|recording| Motion::new(recording, &nominal, 1.3e-5)).collect();
+            let problem = Problem::new(motions, 1, nominal.clone());
+            let gap = find("backlash").unwrap();
+            let start = Search::new(&problem, &[gap], false).starts(&[], gap).swap_remove(20);
+            let weights = vec![1.0; problem.equations.len()];
+            let fitter = Fitter { problem: &problem, weights: &weights };
+            let base = fitter.base(&fitter.fit(&[], 0));
+            let tried = [fitter.feel(std::slice::from_ref(&start), &base, 10), fitter.scan(&[start], &base)];
+            tried.map(|(sse, active)| (sse, active[0].values.clone()))
+        };
+        assert_eq!(reached(&nominal), reached(&Physics { inertia: 0.1, ..nominal.clone() }));
+    }
+}

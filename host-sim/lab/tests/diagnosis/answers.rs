@@ -1,6 +1,6 @@
 //! What the tool must say of recordings whose truth is known.
 
-use lab::effects::Pulse;
+use lab::effects::{Physics, Pulse};
 use lab::report::Verdict;
 
 use crate::cases::{answer, recordings};
@@ -38,4 +38,18 @@ fn a_push_against_a_rotor_at_rest_is_named_with_its_time_and_size() {
     for (parameter, truth) in effect.parameters.iter().zip(truth) {
         assert!(parameter.low <= truth && truth <= parameter.high, "{parameter:?}, is {truth}");
     }
+}
+
+/// Of the machines that one scale makes alike, this one has two changes; with another scale of the drive it has three.
+#[test]
+#[cfg_attr(debug_assertions, ignore = "a minute without optimisation; the tests in release run it")]
+fn a_strength_and_an_inertia_are_no_scale_of_the_drive() {
+    let change = |physics: &mut Physics| {
+        physics.inertia = 0.0814;
+        physics.damper.as_mut().unwrap().scale = 1.184;
+    };
+    let answer = answer(&recordings(&change, 15, 0.015), "");
+    let mut found: Vec<&str> = answer.effects.iter().map(|effect| effect.id.as_str()).collect();
+    found.sort_unstable();
+    assert_eq!((answer.verdict, found.as_slice()), (Verdict::Named, &["er_strength", "inertia"][..]), "{answer:?}");
 }
