@@ -250,7 +250,7 @@ impl<'a> Search<'a> {
         best
     }
 
-    /// Fits with one member left out and each of the best other effects in its place.
+    /// Fits with one member left out and each of the best other effects in its place, where that is not at a bound.
     fn without_and_with(&self, fit: &Fit, index: usize, seen: &[Trial]) -> Vec<Fit> {
         let mut rest = fit.active.clone();
         let out = rest.remove(index);
@@ -264,7 +264,8 @@ impl<'a> Search<'a> {
             .filter(|effect| !rest.iter().any(|entry| conflicts(entry.effect, effect)))
             .take(4)
             .collect();
-        open.par_iter().filter_map(|&effect| self.attempt(&base, &known, effect)).map(|(fit, _)| fit).collect()
+        let fits = open.par_iter().filter_map(|&effect| Some(self.attempt(&base, &known, effect)?.0));
+        fits.filter(|fit| !fit.active.last().is_some_and(Active::at_bound)).collect()
     }
 
     /// Drops members that the held-out blocks do not miss.
