@@ -11,7 +11,7 @@ use super::twin::{Noise, estimate, noise_floor};
 use super::{Refined, Request};
 use crate::Error;
 use crate::effects::Effect;
-use crate::refit::{HORIZON_S, TimeFit, Windows};
+use crate::refit::TimeFit;
 use crate::screen::{Active, MAX_P, MIN_T, Refitter, paired_t};
 
 /// An effect whose part in the prediction is larger is no error of the weak form.
@@ -116,7 +116,7 @@ fn above_sensor(request: &Request<'_>, searched: &Searched, active: &[Active], t
     let noise = |index| Noise { torque: 0.0, ..estimate(problem, &outcome.fit, &outcome.weights, index, resolution) };
     let noises: Vec<Noise> = (0..problem.fitted).map(noise).collect();
     let floor = noise_floor(&machine, searched.fitted(), &problem.motions, &noises)?;
-    let windows = Windows::new(&machine, searched.fitted(), 0, resolution, HORIZON_S)?;
+    let windows = searched.windows(request, &machine)?;
     Ok(floor.under(&windows, 0).is_none_or(|above| above.exceeded(windows.rms(), times)))
 }
 

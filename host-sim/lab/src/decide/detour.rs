@@ -18,12 +18,12 @@ const SHORTER: f64 = 0.8;
 /// The outcome of a search from the nominal machine, or a better one that does without the scale of the drive, begins with what
 /// it came to miss most, or with another accepted effect.
 pub(super) fn detour(request: &Request<'_>, problem: &Problem, first: Outcome) -> Outcome {
+    let mut ways = first.first_step.clone();
     let first = without_scale(request, problem, first);
     let at_an_end = |outcome: &Outcome| outcome.fit.sse < AN_END * outcome.fit.residual_count();
     if at_an_end(&first) {
         return first;
     }
-    let mut ways = searcher(request, problem).first_step();
     let first_way = ways.first().map(|way| way.effect);
     ways.retain(|way| !first.fit.active.iter().any(|entry| entry.effect == way.effect) && !way.effect.is_event());
     ways.sort_by(|a, b| a.fit.sse.total_cmp(&b.fit.sse));
@@ -34,7 +34,7 @@ pub(super) fn detour(request: &Request<'_>, problem: &Problem, first: Outcome) -
     let mut best = first;
     for way in &ways {
         let other = searcher(request, problem).run(way);
-        if leaves_less(problem, &other, &best, SHORTER) {
+        if share_left(problem, &other, &best) < SHORTER {
             best = other;
         }
         if at_an_end(&best) {
@@ -56,12 +56,8 @@ fn without_scale(request: &Request<'_>, problem: &Problem, first: Outcome) -> Ou
         request.vocabulary.iter().copied().filter(|effect| effect.id != SCALE).collect();
     let other = searcher(&Request { vocabulary: &vocabulary, ..*request }, problem).run(&[]);
     let fewer = !other.fit.active.is_empty() && other.fit.active.len() < first.fit.active.len();
-    let as_well = (1.0 - MIN_GAIN).powi(-2);
-    if leaves_less(problem, &other, &first, SHORTER) || fewer && leaves_less(problem, &other, &first, as_well) {
-        other
-    } else {
-        first
-    }
+    let enough = if fewer { (1.0 - MIN_GAIN).powi(-2) } else { SHORTER };
+    if share_left(problem, &other, &first) < enough { other } else { first }
 }
 
 /// The effect without which a model of several leaves most, alone: what was found beside something that is not there may be as
@@ -78,11 +74,12 @@ fn most_missed(problem: &Problem, outcome: &Outcome) -> Option<Active> {
     alone.filter(|_| active.len() > 1).map(|(_, entry)| entry)
 }
 
-/// Whether an outcome leaves less than a share of the held-out squares of another, under the weights of either.
-fn leaves_less(problem: &Problem, one: &Outcome, other: &Outcome, share: f64) -> bool {
-    [one, other].into_iter().all(|weights| {
+/// The share of the held-out squares of another that an outcome leaves, under the weights of either; the larger counts.
+fn share_left(problem: &Problem, one: &Outcome, other: &Outcome) -> f64 {
+    let shares = [one, other].map(|weights| {
         let refitter = Refitter::new(problem, weights);
         let heldout = |outcome: &Outcome| refitter.fit(&outcome.fit.active).heldout_sse();
-        heldout(one) < share * heldout(other)
-    })
+        heldout(one) / heldout(other)
+    });
+    shares[0].max(shares[1])
 }

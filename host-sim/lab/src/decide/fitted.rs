@@ -1,6 +1,7 @@
 //! How well the machine fits, before and after.
 
 use std::borrow::Cow;
+use std::rc::Rc;
 
 use super::Request;
 use super::prepare::Searched;
@@ -48,7 +49,10 @@ pub(super) fn fit_answer(
     let windows =
         |physics, recordings: &[Recording], first| Windows::new(physics, recordings, first, resolution, HORIZON_S);
     let rms = |physics, recordings, first| windows(physics, recordings, first).map(|windows| windows.rms());
-    let left = windows(improved, &repaired[..count], 0)?;
+    let left = match &repaired {
+        Cow::Borrowed(_) => searched.windows(request, improved)?,
+        Cow::Owned(repaired) => Rc::new(windows(improved, &repaired[..count], 0)?),
+    };
     let (before, after) = (rms(nominal, &recorded[..count], 0)?, left.rms());
     let above = |windows: &Windows, first| twins.floor.as_ref().and_then(|floor| floor.under(windows, first));
     let fitted = above(&left, 0);

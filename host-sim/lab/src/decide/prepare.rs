@@ -1,5 +1,8 @@
 //! From recordings to the searched problem: the recorded torque made good, the motion smoothed with what was found.
 
+use std::cell::RefCell;
+use std::rc::Rc;
+
 use rayon::prelude::*;
 
 use super::detour::detour;
@@ -25,6 +28,8 @@ pub(super) struct Searched {
     pub simulated: Vec<Shown>,
     /// Time constant of the filter that the recorded torque was measured behind, s.
     pub effort_filter_s: Option<f64>,
+    /// What machines left of the windows of the recordings to fit: a load in its gap takes long, and is asked for often.
+    seen: RefCell<Vec<(Physics, Rc<Windows>)>>,
 }
 
 impl Searched {
@@ -33,10 +38,20 @@ impl Searched {
         &self.recordings[..self.problem.fitted]
     }
 
-    /// Root mean square of the windows that effects leave of the recordings to fit, as an answer reports it, rad (m).
+    /// The windows of the recordings to fit, as an answer reports them.
+    pub(super) fn windows(&self, request: &Request<'_>, machine: &Physics) -> Result<Rc<Windows>, Error> {
+        if let Some((_, windows)) = self.seen.borrow().iter().find(|(seen, _)| seen == machine) {
+            return Ok(Rc::clone(windows));
+        }
+        let resolution = request.machine.axis.resolution;
+        let windows = Rc::new(Windows::new(machine, self.fitted(), 0, resolution, HORIZON_S)?);
+        self.seen.borrow_mut().push((machine.clone(), Rc::clone(&windows)));
+        Ok(windows)
+    }
+
+    /// Root mean square of the windows that effects leave of the recordings to fit, rad (m).
     pub(super) fn windows_rms(&self, request: &Request<'_>, active: &[Active]) -> Result<f64, Error> {
-        let (machine, resolution) = (self.problem.machine(active), request.machine.axis.resolution);
-        Windows::new(&machine, self.fitted(), 0, resolution, HORIZON_S).map(|windows| windows.rms())
+        self.windows(request, &self.problem.machine(active)).map(|windows| windows.rms())
     }
 
     /// The model with its held values where they are now.
@@ -89,7 +104,14 @@ pub(super) fn search(
     stages.done("search");
     again(
         request,
-        Searched { problem, outcome, recordings, simulated: Vec::new(), effort_filter_s: filter },
+        Searched {
+            problem,
+            outcome,
+            recordings,
+            simulated: Vec::new(),
+            effort_filter_s: filter,
+            seen: RefCell::default(),
+        },
         nominal,
         stages,
     )

@@ -109,7 +109,7 @@ impl Search<'_> {
 }
 
 /// Leaves of start values, best first, those that are worth a fit, as far as a search without derivatives brings them. Where
-/// nothing on the grid is better than none of it, the rest is not worth the time.
+/// nothing on the grid is better than none of it, or nothing felt out is worth a fit, the rest is not worth the time.
 fn feel_out(fitter: &Fitter<'_>, base: &Fit, known: &Base, glimpsed: &mut Vec<(f64, Active)>) {
     let better = |glimpsed: &&mut (f64, Active)| glimpsed.0 < base.sse;
     glimpsed.truncate(if glimpsed.first().is_some_and(|best| best.0 < base.sse) { FELT } else { 1 });
@@ -122,7 +122,8 @@ fn feel_out(fitter: &Fitter<'_>, base: &Fit, known: &Base, glimpsed: &mut Vec<(f
     });
     glimpsed.sort_by(|a, b| a.0.total_cmp(&b.0));
     glimpsed.truncate(FINALISTS);
-    glimpsed.par_iter_mut().filter(better).for_each(|glimpsed| feel_on(fitter, base, known, glimpsed));
+    let promising = |glimpsed: &&mut (f64, Active)| glimpsed.0 < HOPELESS * base.sse;
+    glimpsed.par_iter_mut().filter(promising).for_each(|glimpsed| feel_on(fitter, base, known, glimpsed));
 }
 
 /// Goes on from a start without derivatives, with a scan between two passes.

@@ -36,6 +36,8 @@ pub struct Outcome {
     pub weights: Vec<f64>,
     /// Each effect of the vocabulary on top of the model it was last tried on, best first.
     pub trials: Vec<Trial>,
+    /// What the first step accepted, best held-out first.
+    pub first_step: Vec<Trial>,
     /// Sizes and candidates of the last step.
     pub excitation: Excitation,
     /// Number of variants fitted or glimpsed.
@@ -173,9 +175,7 @@ impl<'a> Search<'a> {
     /// What the first step from the nominal machine accepts, best held-out first.
     pub fn first_step(mut self) -> Vec<Trial> {
         let base = self.fitter().fit(&[], 0);
-        let mut trials = self.round(&base);
-        trials.retain(Trial::accepted);
-        trials
+        accepted(self.round(&base))
     }
 
     /// Runs the search from a model; without one from the nominal machine.
@@ -185,9 +185,12 @@ impl<'a> Search<'a> {
         }
         let mut fit = self.backward(self.fitter().fit(start, ITERATIONS));
         let mut seen: Vec<Trial> = Vec::new();
+        let mut first_step = None;
         for _ in 0..=MAX_EFFECTS {
             let before = fit.active.len();
-            let Some(next) = self.forward(&fit, &mut seen) else { break };
+            let next = self.forward(&fit, &mut seen);
+            first_step.get_or_insert_with(|| accepted(seen.clone()));
+            let Some(next) = next else { break };
             fit = next;
             // A step that the next one takes back would repeat for ever.
             if fit.active.len() <= before {
@@ -202,6 +205,7 @@ impl<'a> Search<'a> {
             nominal,
             weights: self.weights,
             trials: seen,
+            first_step: first_step.unwrap_or_default(),
             excitation: self.excitation,
             variants: self.variants,
         }
@@ -288,6 +292,11 @@ impl<'a> Search<'a> {
             }
         }
     }
+}
+
+fn accepted(mut trials: Vec<Trial>) -> Vec<Trial> {
+    trials.retain(Trial::accepted);
+    trials
 }
 
 fn merge(seen: &mut Vec<Trial>, trials: &[Trial]) {

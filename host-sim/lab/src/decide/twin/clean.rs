@@ -50,10 +50,14 @@ pub fn falsely_found(
     let asked =
         accepted.iter().enumerate().filter(|(rank, trial)| *rank < CONFIRMED || answered.contains(&trial.effect.id));
     let asked: Vec<&Trial> = asked.map(|(_, trial)| trial).collect();
+    if asked.is_empty() {
+        return Ok(Vec::new());
+    }
+    let without = TimeFit::new(&problem, &twins, &[], resolution)?;
     let confirmed = asked.into_par_iter().filter(|trial| {
-        let with = TimeFit::new(&problem, &twins, &trial.fit.active, resolution);
+        let with = without.rival(&problem, &twins, &trial.fit.active);
         // What cannot be simulated cannot be taken back either.
-        with.and_then(|with| Ok(missed(&with.without(&problem, &twins, 0)?, &with))).unwrap_or(true)
+        with.map_or(true, |with| missed(&without, &with))
     });
     Ok(confirmed.map(|trial| trial.effect.id).collect())
 }
