@@ -55,24 +55,20 @@ impl Search<'_> {
         }
         let fitter = self.fitter();
         let with = |entry: &Active| [base.active.as_slice(), std::slice::from_ref(entry)].concat();
-        let mut glimpsed: Vec<(f64, Active)> = self
-            .starts(&base.active, effect)
-            .into_iter()
-            .filter(|entry| !duplicate(&base.active, entry))
-            .filter_map(|entry| {
-                let (sse, mut reached) = if kinked(effect) {
-                    fitter.feel(&with(&entry), known, 1)
-                } else {
-                    fitter.glimpse(&with(&entry), known)
-                };
+        let mut starts = self.starts(&base.active, effect);
+        starts.retain(|entry| !duplicate(&base.active, entry));
+        let variants = starts.len();
+        let glimpsed = if kinked(effect) {
+            self.felt_out(base, starts)
+        } else {
+            let glimpse = |entry: Active| {
+                let (sse, mut reached) = fitter.glimpse(&with(&entry), known);
                 reached.pop().map(|entry| (sse, entry))
-            })
-            .collect();
-        let variants = glimpsed.len();
-        glimpsed.sort_by(|a, b| a.0.total_cmp(&b.0));
-        if kinked(effect) {
-            feel_out(&fitter, base, known, &mut glimpsed);
-        }
+            };
+            let mut glimpsed: Vec<(f64, Active)> = starts.into_iter().filter_map(glimpse).collect();
+            glimpsed.sort_by(|a, b| a.0.total_cmp(&b.0));
+            glimpsed
+        };
         let (finalists, iterations) = match glimpsed.first() {
             Some((sse, _)) if *sse > HOPELESS * base.sse => (1, 2),
             _ => (FINALISTS, ITERATIONS),
@@ -81,6 +77,32 @@ impl Search<'_> {
         let fits = finalists.map(|(_, entry)| fitter.fit_on(&with(entry), iterations, known));
         let best = fits.min_by(|a, b| a.sse.total_cmp(&b.sse))?;
         Some((best, variants))
+    }
+
+    /// Of start values, best first, those that are worth a fit, as far as a search without derivatives brings them. Where nothing
+    /// on the grid is better than none of it, or nothing felt out is worth a fit, the rest is not worth the time.
+    fn felt_out(&self, base: &Fit, starts: Vec<Active>) -> Vec<(f64, Active)> {
+        let problem = self.problem.to_fit();
+        let fitter = Fitter { problem: &problem, weights: &self.weights[..problem.equations.len()] };
+        let known = fitter.base(base);
+        let feel = |entry: Active, evaluations: usize| {
+            let (sse, mut reached) = fitter.feel(&[base.active.as_slice(), &[entry]].concat(), &known, evaluations);
+            reached.pop().map(|entry| (sse, entry))
+        };
+        let mut felt: Vec<(f64, Active)> = starts.into_iter().filter_map(|entry| feel(entry, 1)).collect();
+        felt.sort_by(|a, b| a.0.total_cmp(&b.0));
+        felt.truncate(if felt.first().is_some_and(|best| best.0 < base.sse) { FELT } else { 1 });
+        let better = |felt: &&mut (f64, Active)| felt.0 < base.sse;
+        felt.par_iter_mut().filter(better).for_each(|felt| {
+            if let Some(found) = feel(felt.1.clone(), SHORT).filter(|found| found.0 < felt.0) {
+                *felt = found;
+            }
+        });
+        felt.sort_by(|a, b| a.0.total_cmp(&b.0));
+        felt.truncate(FINALISTS);
+        let promising = |felt: &&mut (f64, Active)| felt.0 < HOPELESS * base.sse;
+        felt.par_iter_mut().filter(promising).for_each(|felt| feel_on(&fitter, base, &known, felt));
+        felt
     }
 
     /// Cogging is one effect of several orders: adds them while each predicts better.
@@ -106,24 +128,6 @@ impl Search<'_> {
         }
         best
     }
-}
-
-/// Leaves of start values, best first, those that are worth a fit, as far as a search without derivatives brings them. Where
-/// nothing on the grid is better than none of it, or nothing felt out is worth a fit, the rest is not worth the time.
-fn feel_out(fitter: &Fitter<'_>, base: &Fit, known: &Base, glimpsed: &mut Vec<(f64, Active)>) {
-    let better = |glimpsed: &&mut (f64, Active)| glimpsed.0 < base.sse;
-    glimpsed.truncate(if glimpsed.first().is_some_and(|best| best.0 < base.sse) { FELT } else { 1 });
-    glimpsed.par_iter_mut().filter(better).for_each(|(sse, entry)| {
-        let start = [base.active.as_slice(), std::slice::from_ref(entry)].concat();
-        let (low, mut reached) = fitter.feel(&start, known, SHORT);
-        if let Some(found) = reached.pop().filter(|_| low < *sse) {
-            (*sse, *entry) = (low, found);
-        }
-    });
-    glimpsed.sort_by(|a, b| a.0.total_cmp(&b.0));
-    glimpsed.truncate(FINALISTS);
-    let promising = |glimpsed: &&mut (f64, Active)| glimpsed.0 < HOPELESS * base.sse;
-    glimpsed.par_iter_mut().filter(promising).for_each(|glimpsed| feel_on(fitter, base, known, glimpsed));
 }
 
 /// Goes on from a start without derivatives, with a scan between two passes.

@@ -130,6 +130,17 @@ impl Problem {
         Self { motions, fitted, equations, blocks, spans, nominal }
     }
 
+    /// The same with the recordings to fit alone.
+    pub(super) fn to_fit(&self) -> Self {
+        Self {
+            motions: self.motions[..self.fitted].to_vec(),
+            equations: self.equations[..self.fitted_equations()].to_vec(),
+            spans: self.spans.clone(),
+            nominal: self.nominal.clone(),
+            ..*self
+        }
+    }
+
     /// Number of equations to fit; they come before those that are only predicted.
     pub(crate) fn fitted_equations(&self) -> usize {
         self.equations.partition_point(|equation| equation.recording < self.fitted)

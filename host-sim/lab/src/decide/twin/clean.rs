@@ -50,14 +50,10 @@ pub fn falsely_found(
     let asked =
         accepted.iter().enumerate().filter(|(rank, trial)| *rank < CONFIRMED || answered.contains(&trial.effect.id));
     let asked: Vec<&Trial> = asked.map(|(_, trial)| trial).collect();
-    if asked.is_empty() {
-        return Ok(Vec::new());
-    }
-    let without = TimeFit::new(&problem, &twins, &[], resolution)?;
     let confirmed = asked.into_par_iter().filter(|trial| {
-        let with = without.rival(&problem, &twins, &trial.fit.active);
+        let with = TimeFit::new(&problem, &twins, &trial.fit.active, resolution);
         // What cannot be simulated cannot be taken back either.
-        with.map_or(true, |with| missed(&without, &with))
+        with.and_then(|with| Ok(missed(&with.without(&problem, &twins, 0)?, &with))).unwrap_or(true)
     });
     Ok(confirmed.map(|trial| trial.effect.id).collect())
 }
