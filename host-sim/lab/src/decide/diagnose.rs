@@ -2,7 +2,7 @@
 
 use super::checks::self_checks;
 use super::closest::closest;
-use super::coincidence::{bent, coincidences, flat, may_be_no_gap, spread, undecided};
+use super::coincidence::{bent, coincidences, flat, held, may_be_no_gap, spread, undecided};
 use super::confirmed::confirm;
 use super::controller::mismatch;
 use super::equivalents::contested;
@@ -181,6 +181,7 @@ fn judge(
     reasons.extend(undecided(problem, &searched.outcome, request.vocabulary));
     reasons.extend(unnamed_glitches(request, problem).filter(|_| answer.effects.is_empty()));
     reasons.extend(flat(problem, &searched.outcome, &answer.effects));
+    reasons.extend(held(problem, &refined.active));
     reasons.extend(at_bound(&searched.outcome.fit.active, &refined.active));
     if answer.verdict != Verdict::Controller {
         answer.verdict = verdict(searched, answer, &left, (&twins, &floors), &reasons);

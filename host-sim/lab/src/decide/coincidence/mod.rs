@@ -7,6 +7,7 @@
 
 mod curve;
 mod flat;
+mod held;
 mod motion;
 mod nothing;
 mod shape;
@@ -14,6 +15,7 @@ mod spread;
 
 pub(super) use curve::{bent, undecided};
 pub(super) use flat::flat;
+pub(super) use held::held;
 pub(super) use spread::spread;
 
 use super::checks::neutral;
