@@ -1,5 +1,6 @@
 //! Motion through one segment: sliding and sticking, with every change between them located in time.
 
+use super::root::root;
 use super::state::{Motion, State};
 use crate::Segment;
 
@@ -223,44 +224,4 @@ fn stop_within<F: Flow>(flow: &F, segment: &Segment, t: f64, x: &State, h: f64, 
     let top = root(slope, (0.0, first_slope), (h, last_slope));
     let highest = speed(top);
     if highest > 0.0 { Stop::After(root(speed, (top, highest), (h, end))) } else { Stop::AtOnce { wait_s: top } }
-}
-
-/// Where `f` changes sign between two points whose values are given: regula falsi in the Illinois form, which keeps the
-/// bracket, with a bisection wherever it stalls.
-fn root(f: impl Fn(f64) -> f64, mut low: (f64, f64), mut high: (f64, f64)) -> f64 {
-    let tolerance = 1e-14 * high.0.abs() + 1e-18;
-    let mut width = high.0 - low.0;
-    let mut side = 0;
-    for _ in 0..80 {
-        let mut x = high.0 - high.1 * (high.0 - low.0) / (high.1 - low.1);
-        if high.0 - low.0 > 0.5 * width || !(low.0..=high.0).contains(&x) {
-            x = 0.5 * (low.0 + high.0);
-            side = 0;
-        }
-        width = high.0 - low.0;
-        let value = f(x);
-        if value == 0.0 || width <= tolerance {
-            return x;
-        }
-        if (value < 0.0) == (high.1 < 0.0) {
-            if x == high.0 {
-                return x;
-            }
-            high = (x, value);
-            if side == 1 {
-                low.1 *= 0.5;
-            }
-            side = 1;
-        } else {
-            if x == low.0 {
-                return x;
-            }
-            low = (x, value);
-            if side == -1 {
-                high.1 *= 0.5;
-            }
-            side = -1;
-        }
-    }
-    0.5 * (low.0 + high.0)
 }

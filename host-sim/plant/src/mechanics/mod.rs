@@ -6,6 +6,7 @@ mod exact;
 mod fluid;
 mod general;
 mod phi;
+mod root;
 mod state;
 
 use crate::sensor::SensorModel;
