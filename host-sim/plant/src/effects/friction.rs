@@ -42,12 +42,17 @@ pub(crate) fn validate(model: &Model) -> Result<(), Error> {
     model.presliding_stiffness.map_or(Ok(()), |stiffness| positive("presliding.stiffness", stiffness))
 }
 
+/// Beyond this many times its velocity less than 1e-21 of a Stribeck excess is left.
+const BEYOND: f64 = 7.0;
+
 /// Friction levels by direction, index 0 forward and 1 backward.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Friction {
     coulomb: [f64; 2],
     viscous: [f64; 2],
     stribeck: Stribeck,
+    /// One over the Stribeck velocity, s/rad.
+    per_velocity: f64,
     quadratic: f64,
     /// Bristle stiffness of the dry part; none for set-valued friction.
     stiffness: Option<f64>,
@@ -57,10 +62,12 @@ impl Friction {
     /// From a validated model.
     pub(crate) fn new(model: &Model) -> Self {
         let by_direction = |mean: f64, difference: f64| [mean + 0.5 * difference, mean - 0.5 * difference];
+        let stribeck = model.stribeck.unwrap_or(Stribeck { excess: 0.0, velocity: 1.0 });
         Self {
             coulomb: by_direction(model.coulomb, model.asymmetry.coulomb),
             viscous: by_direction(model.viscous, model.asymmetry.viscous),
-            stribeck: model.stribeck.unwrap_or(Stribeck { excess: 0.0, velocity: 1.0 }),
+            stribeck,
+            per_velocity: stribeck.velocity.recip(),
             quadratic: model.quadratic_drag,
             stiffness: model.presliding_stiffness,
         }
@@ -92,10 +99,10 @@ impl Friction {
     #[inline]
     pub(crate) fn torque(&self, sign: f64, w: f64, bristle: f64) -> f64 {
         let mut torque = self.viscous(sign) * w + sign * self.quadratic * w * w;
-        let excess = if self.stribeck.excess == 0.0 {
+        let ratio = w * self.per_velocity;
+        let excess = if self.stribeck.excess == 0.0 || ratio.abs() > BEYOND {
             0.0
         } else {
-            let ratio = w / self.stribeck.velocity;
             self.stribeck.excess * (-ratio * ratio).exp()
         };
         if self.stiffness.is_none() {
@@ -123,8 +130,7 @@ impl Friction {
     pub(crate) fn longest_step(&self, sign: f64, w: f64, bristle: f64, acceleration: f64, inertia: f64) -> f64 {
         let mut step = 0.25 * inertia / (self.viscous(sign) + 2.0 * self.quadratic * w.abs());
         if self.stribeck.excess > 0.0 {
-            // Beyond seven times its velocity nothing is left of it.
-            let beyond = w.abs() - 7.0 * self.stribeck.velocity;
+            let beyond = w.abs() - BEYOND * self.stribeck.velocity;
             let slow = (0.5 * self.stribeck.velocity / acceleration)
                 .min(0.5 * inertia * self.stribeck.velocity / self.stribeck.excess);
             step = step.min(slow.max(beyond / acceleration));

@@ -49,11 +49,14 @@ pub(crate) enum Contact {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct ShaftLaw {
     pub(crate) motor_inertia: f64,
-    pub(crate) load_inertia: f64,
+    /// One over the inertia of the load, 1/(kg m2).
+    pub(crate) per_load_inertia: f64,
     stiffness: f64,
     damping: f64,
     half_gap: f64,
     resonance_rad_s: f64,
+    /// At which the damper alone would stop the twist, 1/s.
+    damping_rate: f64,
 }
 
 impl ShaftLaw {
@@ -68,11 +71,12 @@ impl ShaftLaw {
         let resonance_rad_s = TAU * shaft.resonance_hz;
         Some(Self {
             motor_inertia,
-            load_inertia,
+            per_load_inertia: load_inertia.recip(),
             stiffness: reduced * resonance_rad_s * resonance_rad_s,
             damping: 2.0 * shaft.damping_ratio * reduced * resonance_rad_s,
             half_gap: 0.5 * shaft.gap,
             resonance_rad_s,
+            damping_rate: 2.0 * shaft.damping_ratio * resonance_rad_s,
         })
     }
 
@@ -86,6 +90,12 @@ impl ShaftLaw {
             Contact::Behind => twist + self.half_gap,
         };
         self.stiffness * bent + self.damping * twist_rate
+    }
+
+    /// Rate of that torque, N m/s, for the first and the second rate of the twist.
+    #[inline]
+    pub(crate) fn torque_rate(&self, contact: Contact, twist_rate: f64, twist_acceleration: f64) -> f64 {
+        if contact == Contact::Free { 0.0 } else { self.stiffness * twist_rate + self.damping * twist_acceleration }
     }
 
     /// The contact a twist and its rate lead to; on the edge of the gap the rate decides.
@@ -113,8 +123,8 @@ impl ShaftLaw {
         }
     }
 
-    /// Longest step over which the law is smooth, s.
+    /// Longest step over which the law is smooth and its damping still lets the iteration converge fast, s.
     pub(crate) fn longest_step(&self) -> f64 {
-        0.5 / (self.resonance_rad_s + self.damping * (1.0 / self.motor_inertia + 1.0 / self.load_inertia))
+        (0.5 / self.resonance_rad_s).min(1.0 / self.damping_rate)
     }
 }

@@ -54,26 +54,28 @@ impl Collocation {
     }
 
     /// Positions and speeds of `N` bodies a time `h` after `q`, `v`; `acceleration` takes a node and the positions and
-    /// speeds there, `guess` is the acceleration at the start.
+    /// speeds there, `guess` are the first accelerations at the nodes.
     #[inline]
     pub(crate) fn step<const N: usize>(
         &self,
         (q, v): ([f64; N], [f64; N]),
-        guess: [f64; N],
+        guess: [[f64; N]; NODES],
         h: f64,
         acceleration: impl Fn(usize, &[f64; N], &[f64; N]) -> [f64; N],
     ) -> ([f64; N], [f64; N]) {
-        let mut found = [guess; NODES];
+        let mut found = guess;
         let mut change_before = 0.0;
         for _ in 0..MOST_ITERATIONS {
             let mut change = 0.0_f64;
             let mut largest = 0.0_f64;
-            for node in 0..NODES {
-                let at_node: [f64; N] = std::array::from_fn(|body| {
+            let at: [([f64; N], [f64; N]); NODES] = std::array::from_fn(|node| {
+                let at_node = std::array::from_fn(|body| {
                     q[body] + h * (self.times[node] * v[body] + h * dot(&self.position[node], &found, body))
                 });
-                let speed: [f64; N] = std::array::from_fn(|body| v[body] + h * dot(&self.speed[node], &found, body));
-                let next = acceleration(node, &at_node, &speed);
+                (at_node, std::array::from_fn(|body| v[body] + h * dot(&self.speed[node], &found, body)))
+            });
+            for (node, (at_node, speed)) in at.iter().enumerate() {
+                let next = acceleration(node, at_node, speed);
                 for body in 0..N {
                     change = change.max((next[body] - found[node][body]).abs());
                     largest = largest.max(next[body].abs());
@@ -110,7 +112,9 @@ mod tests {
         let method = Collocation::new();
         let run = |steps: u32| {
             let h = 2.0 / f64::from(steps);
-            (0..steps).fold(([1.0], [0.0]), |x, _| method.step(x, [-x.0[0].sin()], h, |_, q, _| [-q[0].sin()])).0[0]
+            (0..steps)
+                .fold(([1.0], [0.0]), |x, _| method.step(x, [[-x.0[0].sin()]; NODES], h, |_, q, _| [-q[0].sin()]))
+                .0[0]
         };
         let exact = run(256);
         let (coarse, fine) = ((run(4) - exact).abs(), (run(8) - exact).abs());

@@ -15,6 +15,8 @@ use crate::{Model, Segment, Signal};
 pub(crate) struct General {
     /// What the motor torque moves: all of it, or the motor in front of the shaft, kg m2.
     inertia: f64,
+    /// One over that: it is asked for at every node.
+    per_inertia: f64,
     friction: Friction,
     position: PositionTorque,
     vibration: Option<Vibration>,
@@ -36,8 +38,10 @@ impl General {
     /// From a validated model.
     pub(crate) fn new(model: &Model) -> Self {
         let shaft = model.shaft.as_ref().and_then(|shaft| ShaftLaw::new(shaft, model.inertia));
+        let inertia = shaft.map_or(model.inertia, |shaft| shaft.motor_inertia);
         Self {
-            inertia: shaft.map_or(model.inertia, |shaft| shaft.motor_inertia),
+            inertia,
+            per_inertia: inertia.recip(),
             friction: Friction::new(model),
             position: PositionTorque::new(model),
             vibration: model.vibration,
@@ -94,9 +98,12 @@ impl General {
     #[inline]
     fn accelerations(&self, shaft: &ShaftLaw, input: &Input, x: &State, q: &[f64; 2], v: &[f64; 2]) -> [f64; 2] {
         let through = shaft.torque(x.contact, q[1], v[1]);
-        let motor =
-            if x.motion == Motion::Stuck { 0.0 } else { (self.torque(input, x, q[0], v[0]) + through) / self.inertia };
-        [motor, -through / shaft.load_inertia - motor]
+        let motor = if x.motion == Motion::Stuck {
+            0.0
+        } else {
+            (self.torque(input, x, q[0], v[0]) + through) * self.per_inertia
+        };
+        [motor, -through * shaft.per_load_inertia - motor]
     }
 
     /// Torque of the shaft on the motor, N m.
@@ -119,15 +126,19 @@ impl Flow for General {
         let inputs: [Input; NODES] = std::array::from_fn(|node| self.input(segment, t + h * self.method.times[node]));
         if let Some(shaft) = &self.shaft {
             let start = ([x.position, x.twist], [x.velocity, x.twist_rate]);
-            let guess = self.accelerations(shaft, &inputs[0], x, &start.0, &start.1);
+            let first = self.accelerations(shaft, &inputs[0], x, &start.0, &start.1);
+            let rate = shaft.torque_rate(x.contact, x.twist_rate, first[1]);
+            let motor = if x.motion == Motion::Stuck { 0.0 } else { rate * self.per_inertia };
+            let rates = [motor, -rate * shaft.per_load_inertia - motor];
+            let guess = self.method.times.map(|time| std::array::from_fn(|body| first[body] + h * time * rates[body]));
             let (q, v) =
                 self.method.step(start, guess, h, |node, q, v| self.accelerations(shaft, &inputs[node], x, q, v));
             [next.position, next.twist] = q;
             [next.velocity, next.twist_rate] = v;
         } else {
-            let guess = [self.torque(&inputs[0], x, x.position, x.velocity) / self.inertia];
-            let (q, v) = self.method.step(([x.position], [x.velocity]), guess, h, |node, q, v| {
-                [self.torque(&inputs[node], x, q[0], v[0]) / self.inertia]
+            let first = [self.torque(&inputs[0], x, x.position, x.velocity) * self.per_inertia];
+            let (q, v) = self.method.step(([x.position], [x.velocity]), [first; NODES], h, |node, q, v| {
+                [self.torque(&inputs[node], x, q[0], v[0]) * self.per_inertia]
             });
             [next.position] = q;
             [next.velocity] = v;
