@@ -17,8 +17,8 @@ const SHORTER: f64 = 0.8;
 
 /// The outcome of a search from the nominal machine, or a better one that does without the scale of the drive, begins with what
 /// it came to miss most, or with another accepted effect.
-pub(super) fn detour(request: &Request<'_>, problem: &Problem, first: Outcome) -> Outcome {
-    let mut ways = first.first_step.clone();
+pub(super) fn detour(request: &Request<'_>, problem: &Problem, mut first: Outcome) -> Outcome {
+    let mut ways = std::mem::take(&mut first.first_step);
     let first = without_scale(request, problem, first);
     let at_an_end = |outcome: &Outcome| outcome.fit.sse < AN_END * outcome.fit.residual_count();
     if at_an_end(&first) {

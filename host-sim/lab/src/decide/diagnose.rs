@@ -60,59 +60,84 @@ pub struct Diagnosis {
 /// # Errors
 /// Recordings too short to say anything.
 pub fn diagnose(request: &Request<'_>) -> Result<Diagnosis, Error> {
-    let first = once(request)?;
+    let first = Begun::new(request)?.decided(request)?;
     Ok(with_a_shaft(request, &first)?.unwrap_or(first))
 }
 
 /// The diagnosis with a flexible shaft in the place of a gap that may be none or is not told from a shaft, where that predicts
 /// as well: such a gap is a shaft with one number more, which takes up what its wrong companions leave.
 fn with_a_shaft(request: &Request<'_>, first: &Diagnosis) -> Result<Option<Diagnosis>, Error> {
-    let shaft = |effect: &&'static Effect| effect.id == "compliance";
+    const SHAFT: &str = "compliance";
     let effects = &first.answer.effects;
     let like_a_shaft =
-        effects.iter().any(|effect| effect.id == "backlash" && effect.equivalent.iter().any(|id| id == "compliance"));
-    if !(like_a_shaft || may_be_no_gap(effects)) || !request.vocabulary.iter().any(shaft) {
+        effects.iter().any(|effect| effect.id == "backlash" && effect.equivalent.iter().any(|id| id == SHAFT));
+    if !(like_a_shaft || may_be_no_gap(effects)) || !request.vocabulary.iter().any(|effect| effect.id == SHAFT) {
         return Ok(None);
     }
     let vocabulary: Vec<&'static Effect> =
         request.vocabulary.iter().copied().filter(|effect| !effect.is_gap()).collect();
-    let second = once(&Request { vocabulary: &vocabulary, ..*request })?;
-    let named = second.answer.effects.iter().any(|effect| effect.id == "compliance");
+    let request = &Request { vocabulary: &vocabulary, ..*request };
+    let begun = Begun::new(request)?;
+    // What the search does not find is not worth the time of a refit.
+    if !begun.searched.outcome.fit.active.iter().any(|entry| entry.effect.id == SHAFT) {
+        return Ok(None);
+    }
+    let second = begun.decided(request)?;
+    let named = second.answer.effects.iter().any(|effect| effect.id == SHAFT);
     Ok((named && second.answer.fit.heldout_after_rms <= first.answer.fit.heldout_after_rms).then_some(second))
 }
 
-/// One diagnosis under one vocabulary.
-fn once(request: &Request<'_>) -> Result<Diagnosis, Error> {
-    let files: Vec<&Recording> = request.recordings.iter().chain(request.holdout).collect();
-    let names: Vec<&str> = files.iter().map(|recording| recording.name.as_str()).collect();
-    let nominal = Physics::of(request.machine, &names)?;
-    let mut notes: Vec<String> = files.iter().flat_map(|recording| recording.notes()).collect();
-    let coarser = coarser(request.machine, &files, &mut notes);
-    let request = &Request { machine: coarser.as_ref().unwrap_or(request.machine), ..*request };
-    let mut stages = Stages::begin();
-    let mut searched = search(request, stretches(&files, &mut notes), &nominal, &mut stages);
-    if searched.problem.fitted_equations() == 0 {
-        let message = "nothing moves long enough in one direction to be judged; record more motion".to_owned();
-        return Err(Error::Usage(format!("{}: {message}", names.join(", "))));
+/// A diagnosis under one vocabulary as far as the search brings it.
+struct Begun {
+    /// The nominal machine.
+    nominal: Physics,
+    /// The machine file with the step that the recordings show, where that is not the file's.
+    coarser: Option<Machine>,
+    searched: Searched,
+    notes: Vec<String>,
+    stages: Stages,
+}
+
+impl Begun {
+    fn new(request: &Request<'_>) -> Result<Self, Error> {
+        let files: Vec<&Recording> = request.recordings.iter().chain(request.holdout).collect();
+        let names: Vec<&str> = files.iter().map(|recording| recording.name.as_str()).collect();
+        let nominal = Physics::of(request.machine, &names)?;
+        let mut notes: Vec<String> = files.iter().flat_map(|recording| recording.notes()).collect();
+        let coarser = coarser(request.machine, &files, &mut notes);
+        let request = &Request { machine: coarser.as_ref().unwrap_or(request.machine), ..*request };
+        let mut stages = Stages::begin();
+        let searched = search(request, stretches(&files, &mut notes), &nominal, &mut stages);
+        if searched.problem.fitted_equations() == 0 {
+            let message = "nothing moves long enough in one direction to be judged; record more motion".to_owned();
+            return Err(Error::Usage(format!("{}: {message}", names.join(", "))));
+        }
+        Ok(Self { nominal, coarser, searched, notes, stages })
     }
-    let Decided { refined, taken_back, alike } = decide(request, &mut searched, &mut notes, &mut stages);
-    let controller = request.machine.controller.as_ref().and_then(|law| mismatch(law, &files, &mut notes));
-    let (verdict, answer) = match controller {
-        Some(effect) => (Verdict::Controller, vec![effect]),
-        None => (Verdict::None, effects(request, &searched, &refined, &alike)),
-    };
-    stages.done("controller and evidence");
-    let improved = searched.problem.machine(&refined.active);
-    let mut diagnosis = Diagnosis {
-        answer: Answer { schema: 1, verdict, effects: answer, ..Answer::default() },
-        nominal,
-        improved,
-        proposal: None,
-        stages,
-    };
-    judge(request, &searched, &refined, &mut diagnosis, notes)?;
-    diagnosis.answer.rejected = rejected(request, &searched.outcome, &diagnosis.answer.effects, &taken_back);
-    Ok(diagnosis)
+
+    fn decided(self, request: &Request<'_>) -> Result<Diagnosis, Error> {
+        let Self { nominal, coarser, mut searched, mut notes, mut stages } = self;
+        let files: Vec<&Recording> = request.recordings.iter().chain(request.holdout).collect();
+        let request = &Request { machine: coarser.as_ref().unwrap_or(request.machine), ..*request };
+        let Decided { refined, taken_back, alike } = decide(request, &mut searched, &mut notes, &mut stages);
+        let controller = request.machine.controller.as_ref().and_then(|law| mismatch(law, &files, &mut notes));
+        let (verdict, answer) = match controller {
+            Some(effect) => (Verdict::Controller, vec![effect]),
+            None => (Verdict::None, effects(request, &searched, &refined, &alike)),
+        };
+        stages.done("controller and evidence");
+        let improved = searched.problem.machine(&refined.active);
+        let mut diagnosis = Diagnosis {
+            answer: Answer { schema: 1, verdict, effects: answer, ..Answer::default() },
+            nominal,
+            improved,
+            proposal: None,
+            stages,
+        };
+        judge(request, &searched, &refined, &mut diagnosis, notes)?;
+        diagnosis.answer.rejected = rejected(request, &searched.outcome, &diagnosis.answer.effects, &taken_back);
+        Ok(diagnosis)
+    }
 }
 
 /// The machine with the step that its recordings show, where that is clearly coarser than the file says.

@@ -88,7 +88,7 @@ fn rivals(refitter: &Refitter<'_>, best: &Fit, index: usize, vocabulary: &[&'sta
     let mut found: Vec<(usize, Rival)> = each
         .filter(|(effect, _)| effect.id != replaced.effect.id)
         .filter_map(|(effect, fit)| {
-            let entry = fit.active.last().filter(|entry| !entry.at_bound())?;
+            let entry = fit.active.last().filter(|_| !fit.at_bound())?;
             let own = effect.essential(&entry.values);
             (own <= freedom).then_some((own, Rival { effect, fit }))
         })

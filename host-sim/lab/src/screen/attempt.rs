@@ -93,11 +93,7 @@ impl Search<'_> {
         felt.sort_by(|a, b| a.0.total_cmp(&b.0));
         felt.truncate(if felt.first().is_some_and(|best| best.0 < base.sse) { FELT } else { 1 });
         let better = |felt: &&mut (f64, Active)| felt.0 < base.sse;
-        felt.par_iter_mut().filter(better).for_each(|felt| {
-            if let Some(found) = feel(felt.1.clone(), SHORT).filter(|found| found.0 < felt.0) {
-                *felt = found;
-            }
-        });
+        felt.par_iter_mut().filter(better).for_each(|felt| lower(felt, feel(felt.1.clone(), SHORT)));
         felt.sort_by(|a, b| a.0.total_cmp(&b.0));
         felt.truncate(FINALISTS);
         let promising = |felt: &&mut (f64, Active)| felt.0 < HOPELESS * base.sse;
@@ -131,12 +127,17 @@ impl Search<'_> {
 }
 
 /// Goes on from a start without derivatives, with a scan between two passes.
-fn feel_on(fitter: &Fitter<'_>, base: &Fit, known: &Base, (sse, entry): &mut (f64, Active)) {
-    let start = [base.active.as_slice(), std::slice::from_ref(entry)].concat();
+fn feel_on(fitter: &Fitter<'_>, base: &Fit, known: &Base, felt_out: &mut (f64, Active)) {
+    let start = [base.active.as_slice(), std::slice::from_ref(&felt_out.1)].concat();
     let (_, felt) = fitter.feel(&start, known, FEELS);
     let (_, scanned) = fitter.scan(&felt, known);
-    let (low, mut reached) = fitter.feel(&scanned, known, FEELS);
-    if let Some(found) = reached.pop().filter(|_| low < *sse) {
-        (*sse, *entry) = (low, found);
+    let (sse, mut reached) = fitter.feel(&scanned, known, FEELS);
+    lower(felt_out, reached.pop().map(|entry| (sse, entry)));
+}
+
+/// Takes what was found where it leaves less.
+fn lower(felt_out: &mut (f64, Active), found: Option<(f64, Active)>) {
+    if let Some(found) = found.filter(|found| found.0 < felt_out.0) {
+        *felt_out = found;
     }
 }

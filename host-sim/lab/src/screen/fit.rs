@@ -34,6 +34,11 @@ impl Fit {
         self.heldout.iter().sum()
     }
 
+    /// Whether a value of the last effect stands where the search ends.
+    pub fn at_bound(&self) -> bool {
+        self.active.last().is_some_and(Active::at_bound)
+    }
+
     /// Number of equations to fit, which is the sum of squares that noise alone would leave.
     pub fn residual_count(&self) -> f64 {
         self.count as f64

@@ -4,7 +4,7 @@ use nalgebra::DVector;
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
 use super::fit::Fit;
-use super::problem::{Active, Problem};
+use super::problem::Problem;
 use crate::effects::Effect;
 
 /// Least gain in held-out error for an effect to be accepted.
@@ -41,7 +41,7 @@ impl Trial {
 
     /// Whether a value of the effect stands where the search ends.
     pub fn at_bound(&self) -> bool {
-        self.fit.active.last().is_some_and(Active::at_bound)
+        self.fit.at_bound()
     }
 }
 

@@ -175,7 +175,7 @@ impl<'a> Search<'a> {
     /// What the first step from the nominal machine accepts, best held-out first.
     pub fn first_step(mut self) -> Vec<Trial> {
         let base = self.fitter().fit(&[], 0);
-        accepted(self.round(&base))
+        accepted(&self.round(&base))
     }
 
     /// Runs the search from a model; without one from the nominal machine.
@@ -189,7 +189,7 @@ impl<'a> Search<'a> {
         for _ in 0..=MAX_EFFECTS {
             let before = fit.active.len();
             let next = self.forward(&fit, &mut seen);
-            first_step.get_or_insert_with(|| accepted(seen.clone()));
+            first_step.get_or_insert_with(|| accepted(&seen));
             let Some(next) = next else { break };
             fit = next;
             // A step that the next one takes back would repeat for ever.
@@ -269,7 +269,7 @@ impl<'a> Search<'a> {
             .take(4)
             .collect();
         let fits = open.par_iter().filter_map(|&effect| Some(self.attempt(&base, &known, effect)?.0));
-        fits.filter(|fit| !fit.active.last().is_some_and(Active::at_bound)).collect()
+        fits.filter(|fit| !fit.at_bound()).collect()
     }
 
     /// Drops members that the held-out blocks do not miss.
@@ -294,9 +294,8 @@ impl<'a> Search<'a> {
     }
 }
 
-fn accepted(mut trials: Vec<Trial>) -> Vec<Trial> {
-    trials.retain(Trial::accepted);
-    trials
+fn accepted(trials: &[Trial]) -> Vec<Trial> {
+    trials.iter().filter(|trial| trial.accepted()).cloned().collect()
 }
 
 fn merge(seen: &mut Vec<Trial>, trials: &[Trial]) {

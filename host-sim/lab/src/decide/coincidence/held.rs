@@ -10,7 +10,7 @@ const RESTS: f64 = 20.0;
 
 /// In words, which pushes of a model only held a rotor at rest.
 pub(in crate::decide) fn held(problem: &Problem, active: &[Active]) -> Vec<String> {
-    let pushes = active.iter().filter(|entry| entry.effect.id == "disturbance_pulse" && entry.values.len() == 4);
+    let pushes = active.iter().filter(|entry| entry.effect.is_event());
     let spans = pushes.map(|push| (push.values[0] as usize, push.values[1], push.values[1] + push.values[2]));
     let held = spans.filter(|&(recording, start_s, end_s)| rests(problem, recording, start_s, end_s));
     held.map(|(_, start_s, end_s)| {
@@ -26,9 +26,10 @@ pub(in crate::decide) fn held(problem: &Problem, active: &[Active]) -> Vec<Strin
 fn rests(problem: &Problem, recording: usize, start_s: f64, end_s: f64) -> bool {
     let Some(motion) = problem.motions.get(recording) else { return false };
     let row = |t_s: f64| motion.t_s.partition_point(|t| *t < t_s);
-    let shown = motion.position[row(start_s)..row(end_s)].iter();
-    let (low, high) = shown.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &q| (low.min(q), high.max(q)));
-    high - low <= RESTS * motion.noise
+    let shown = &motion.position[row(start_s)..row(end_s)];
+    let (low, high) =
+        shown.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &q| (low.min(q), high.max(q)));
+    !shown.is_empty() && high - low <= RESTS * motion.noise
 }
 
 #[cfg(test)]
