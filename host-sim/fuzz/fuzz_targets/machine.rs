@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use lab::read::Machine;
+use recording::Machine;
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|bytes: &[u8]| {

@@ -8,7 +8,7 @@ use tempfile::NamedTempFile;
 
 use super::{csv_recording, one_line, temporary_beside};
 use crate::Error;
-use crate::read::Recording;
+use crate::Recording;
 
 /// A CSV file that grows under a temporary name and takes its own when it is finished; dropped before, it is gone.
 #[derive(Debug)]

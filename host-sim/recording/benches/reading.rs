@@ -2,7 +2,7 @@
 #![allow(missing_docs, clippy::unwrap_used)]
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use lab::read::{AxisKind, Mode, Recording};
+use recording::{AxisKind, Mode, Recording};
 
 const ROWS: usize = 1_200_000;
 

@@ -4,7 +4,7 @@
 use std::fs;
 use std::path::PathBuf;
 
-use lab::read::{AxisKind, Mode, Recording};
+use recording::{AxisKind, Mode, Recording};
 
 fn read_as(name: &str, bytes: &[u8], axis: Option<AxisKind>) -> Result<Recording, String> {
     let folder = tempfile::tempdir().unwrap();

@@ -4,7 +4,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use lab::read::{AxisKind, Machine, Recording};
+use recording::{AxisKind, Machine, Recording};
 
 /// The folder of real recordings beside the repository; none, with the reason printed, where it is not there.
 fn data() -> Option<PathBuf> {

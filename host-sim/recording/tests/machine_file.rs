@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use lab::read::{AxisKind, Machine};
+use recording::{AxisKind, Machine};
 
 const MACHINE: &str = r#"schema = 1
 name = "er-dd-servo"

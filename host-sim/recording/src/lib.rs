@@ -1,13 +1,17 @@
-//! First stage: machine files and recordings, checked on the way in (`recording.md` of the specification).
+//! Machine files and recordings (`recording.md` of the specification): checked on the way in, whole or not at all on the way
+//! out. Without a terminal and without a command line.
+#![forbid(unsafe_code)]
 
 mod columns;
 mod controller;
 mod csv_file;
+mod error;
 mod gaps;
 mod machine;
 mod machine_file;
 mod machine_toml;
 mod nearest;
+pub mod output;
 mod parquet_file;
 mod position_step;
 mod recording;
@@ -16,6 +20,7 @@ mod values;
 pub mod vocabulary;
 
 pub use columns::Column;
+pub use error::Error;
 pub use machine::{Axis, AxisKind, EffectEntry, ErNominal, Machine, PlantNominal};
 pub use position_step::position_step;
 pub use recording::{Cells, Mode, Recording};

@@ -2,7 +2,7 @@
 
 use std::io::{self, Write};
 
-use crate::read::{Cells, Recording};
+use crate::{Cells, Recording};
 
 /// Writes header and rows; each real number in the fewest digits that read back to the same bits.
 pub(super) fn write(recording: &Recording, to: impl Write) -> io::Result<()> {

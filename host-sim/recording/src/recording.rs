@@ -166,7 +166,7 @@ impl Recording {
 
     /// Some of the rows, at least one, as ranges in order, with the columns that drive a model and what it is compared with:
     /// the others of a long recording are large. Between two ranges is a gap.
-    pub(crate) fn driven(&self, ranges: &[Range<usize>]) -> Self {
+    pub fn driven(&self, ranges: &[Range<usize>]) -> Self {
         fn cut<T: Clone>(values: &[T], ranges: &[Range<usize>]) -> Vec<T> {
             ranges.iter().flat_map(|rows| &values[rows.clone()]).cloned().collect()
         }
@@ -231,7 +231,7 @@ impl Recording {
     }
 
     /// Without a name, rows or any column that a recording may lack.
-    pub(crate) fn empty(axis: AxisKind) -> Self {
+    pub fn empty(axis: AxisKind) -> Self {
         Self {
             name: String::new(),
             axis,

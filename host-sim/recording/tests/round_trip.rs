@@ -4,12 +4,12 @@
 use std::fs;
 use std::path::PathBuf;
 
-use lab::Error;
-use lab::read::vocabulary::{Allowed, EFFECTS, Occurs};
-use lab::read::{Axis, AxisKind, EffectEntry, ErNominal, Machine, Mode, PlantNominal, Recording};
 use proptest::collection::vec;
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
+use recording::Error;
+use recording::vocabulary::{Allowed, EFFECTS, Occurs};
+use recording::{Axis, AxisKind, EffectEntry, ErNominal, Machine, Mode, PlantNominal, Recording};
 
 fn finite() -> impl Strategy<Value = f64> {
     prop_oneof![any::<f64>().prop_filter("finite", |value| value.is_finite()), -10.0..10.0, Just(-0.0), Just(5e-324)]
@@ -155,7 +155,7 @@ fn a_failed_output_leaves_the_file_before_as_it_was() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("out.txt");
     fs::write(&file, "before").unwrap();
-    let failing = lab::output::write(&file, |to| {
+    let failing = recording::output::write(&file, |to| {
         std::io::Write::write_all(to, b"half of")?;
         Err(std::io::Error::other("the disk is full"))
     });
@@ -164,7 +164,7 @@ fn a_failed_output_leaves_the_file_before_as_it_was() {
     assert_eq!(error.exit_code(), 1);
     assert_eq!(fs::read_to_string(&file).unwrap(), "before");
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1, "no temporary file is left");
-    lab::output::write_text(&file, "after").unwrap();
+    recording::output::write_text(&file, "after").unwrap();
     assert_eq!(fs::read_to_string(&file).unwrap(), "after");
 }
 
@@ -192,6 +192,6 @@ fn a_link_stays_and_a_device_is_written_into() {
     three_rows().write(&link).unwrap();
     assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
     assert!(fs::read_to_string(&file).unwrap().starts_with("t_s,"));
-    lab::output::write_text(std::path::Path::new("/dev/null"), "gone").unwrap();
+    recording::output::write_text(std::path::Path::new("/dev/null"), "gone").unwrap();
     assert!(!fs::metadata("/dev/null").unwrap().is_file());
 }

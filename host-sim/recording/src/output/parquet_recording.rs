@@ -10,7 +10,7 @@ use parquet::file::properties::WriterProperties;
 use parquet::file::writer::{SerializedColumnWriter, SerializedFileWriter};
 use parquet::schema::types::{Type, TypePtr};
 
-use crate::read::{Cells, Recording};
+use crate::{Cells, Recording};
 
 /// Writes the recording, compressed with Snappy.
 pub(super) fn write(recording: &Recording, to: impl Write + Send) -> Result<()> {

@@ -12,7 +12,7 @@ use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 use crate::Error;
-use crate::read::{Machine, Recording};
+use crate::{Machine, Recording};
 
 /// Writes `file` through `fill`.
 ///
@@ -74,21 +74,6 @@ fn temporary_beside(target: &Path) -> io::Result<tempfile::NamedTempFile> {
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
     builder.tempfile_in(folder)
-}
-
-/// Writes `text` to standard output. A reader that went away, as `head` does, is no error.
-///
-/// # Errors
-///
-/// [`Error::Output`] where standard output cannot be written.
-pub fn print(text: &str) -> Result<(), Error> {
-    let mut stdout = io::stdout().lock();
-    match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
-        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
-            Err(Error::Output { file: PathBuf::from("standard output"), reason: error.to_string() })
-        }
-        _ => Ok(()),
-    }
 }
 
 fn one_line(message: &str) -> String {

@@ -9,8 +9,8 @@ use parquet::file::reader::RowGroupReader;
 use parquet::schema::types::ColumnDescPtr;
 
 use super::corrupt;
-use crate::read::columns::Complaint;
-use crate::read::values::Cell;
+use crate::columns::Complaint;
+use crate::values::Cell;
 
 /// Rows decoded at a time.
 const BATCH: usize = 1 << 16;
