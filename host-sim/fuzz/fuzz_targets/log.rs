@@ -9,7 +9,7 @@ mod log;
 
 use std::sync::LazyLock;
 
-use lab::decode::recording;
+use recording::decode::recording;
 use libfuzzer_sys::fuzz_target;
 use wire::log::{Image, recordings};
 

@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use lab::simulate::Reference;
+use analysis::simulate::Reference;
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|bytes: &[u8]| {

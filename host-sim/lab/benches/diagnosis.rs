@@ -5,6 +5,7 @@
 use std::hint::black_box;
 use std::time::Duration;
 
+use analysis::simulate::{Reference, Setup, record, run};
 use criterion::{Criterion, criterion_group, criterion_main};
 use er_servo::Config;
 use er_servo::experiment::{Experiment, Shape};
@@ -12,7 +13,6 @@ use lab::decide::{Request, diagnose};
 use lab::effects::{Physics, VOCABULARY};
 use lab::read::{Axis, AxisKind, ErNominal, Machine, PlantNominal, Recording};
 use lab::refit::model;
-use lab::simulate::{Reference, Setup, record, run};
 
 fn machine() -> Machine {
     Machine {

@@ -1,11 +1,11 @@
-//! The stages of `servo-lab`, in the order data takes through them: [`read`], then the later stages.
+//! `servo-lab`: the diagnosis, the commands, and the line to a drive. What is read and written is in [`recording`], the
+//! closed loop and what follows from law and plant alone in [`analysis`].
 //!
 //! Flow is one way: a stage knows only what comes before it.
 #![forbid(unsafe_code)]
 
 pub mod cli;
 pub mod decide;
-pub mod decode;
 pub mod effects;
 pub mod formula;
 pub mod guide;
@@ -13,20 +13,17 @@ pub mod interrupt;
 pub mod line;
 pub mod locate;
 pub mod output;
-pub mod paper;
-pub mod plot;
-pub mod progress;
+pub mod progress_bar;
 pub mod propose;
 pub mod prove;
 pub mod record;
 pub mod refit;
-pub mod replay;
 pub mod report;
 pub mod residual;
 pub mod screen;
-pub mod simulate;
-pub mod stability;
-pub mod tune;
 
-pub use recording as read;
-pub use recording::Error;
+// Stages that are crates of their own, under the names they have here.
+use analysis::{paper, plot, simulate, stability, tune};
+pub use progress;
+pub use recording::{self as read, Error};
+use recording::{decode, replay};

@@ -1,10 +1,12 @@
 //! What a model leaves unexplained: little of its own recordings, and on real machines what is known to be in them.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+#[path = "../../analysis/tests/common/mod.rs"]
 mod common;
 
 use std::path::Path;
 
+use analysis::simulate::{Reference, Setup, record, run};
 use common::{PERIOD_S, field, paper, setup, shared};
 use er_servo::experiment::{Experiment, Shape};
 use er_servo::{Config, RAD_PER_COUNT};
@@ -13,7 +15,6 @@ use lab::read::{Axis, AxisKind, Machine, Recording};
 use lab::refit::model;
 use lab::report::compare::{Comparison, HORIZONS_S};
 use lab::residual::{Channel, residual, sensor_noise};
-use lab::simulate::{Reference, Setup, record, run};
 use plant::Model;
 
 fn axis() -> Axis {

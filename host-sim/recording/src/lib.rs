@@ -1,10 +1,13 @@
 //! Machine files and recordings (`recording.md` of the specification): checked on the way in, whole or not at all on the way
-//! out. Without a terminal and without a command line.
+//! out. The image's log as recordings ([`decode`]), and a recording held against the control law bit for bit ([`replay`]).
+//!
+//! Without a terminal and without a command line.
 #![forbid(unsafe_code)]
 
 mod columns;
 mod controller;
 mod csv_file;
+pub mod decode;
 mod error;
 mod gaps;
 mod machine;
@@ -15,6 +18,7 @@ pub mod output;
 mod parquet_file;
 mod position_step;
 mod recording;
+pub mod replay;
 mod toml_section;
 mod values;
 pub mod vocabulary;

@@ -38,6 +38,17 @@ impl Mode {
     }
 }
 
+/// The law's mode as recordings hold it.
+impl From<er_servo::Mode> for Mode {
+    fn from(mode: er_servo::Mode) -> Self {
+        match mode {
+            er_servo::Mode::Off => Self::Off,
+            er_servo::Mode::Damper => Self::Damper,
+            er_servo::Mode::Brake => Self::Brake,
+        }
+    }
+}
+
 /// Samples of one run: columns of equal length, at least one row, time strictly rising.
 ///
 /// Commands of a row are held from its time to the next; the position is sampled at the row's time, before that row's

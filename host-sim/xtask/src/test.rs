@@ -26,8 +26,8 @@ pub fn all() -> Result<(), String> {
     })?;
     // Before the tests: those of the log read its strings.
     steps.step("firmware", || firmware::build().map(|image| image.print()))?;
-    // The laboratory is slow without optimisation and takes long to build; with it, all of its tests run.
-    steps.cargo("tests", &["test", "--workspace", "--exclude", "lab"])?;
+    // The laboratory and the analysis are slow without optimisation and take long to build; with it, all of their tests run.
+    steps.cargo("tests", &["test", "--workspace", "--exclude", "lab", "--exclude", "analysis"])?;
     steps.cargo("tests, release", &["test", "--workspace", "--release"])?;
     steps.step("firmware clippy", firmware::lint)?;
     let on_board = |arguments: &[&str]| cargo(&board, arguments);

@@ -3,9 +3,9 @@
 use std::fs;
 
 use er_servo::{Config, State};
-use lab::decode::runs;
 use rand::rngs::StdRng;
 use rand::{Rng, SeedableRng};
+use recording::decode::runs;
 use wire::log::{Entry, Image};
 
 use crate::drive::Machine;

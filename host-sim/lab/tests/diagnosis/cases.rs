@@ -1,5 +1,6 @@
 //! Recordings with something left out of the model.
 
+use analysis::simulate::{Reference, Setup, record, run};
 use er_servo::Config;
 use er_servo::experiment::{Experiment, Shape};
 use lab::decide::{Request, diagnose};
@@ -7,7 +8,6 @@ use lab::effects::{Physics, VOCABULARY};
 use lab::read::{Axis, AxisKind, ErNominal, Machine, PlantNominal, Recording};
 use lab::refit::model;
 use lab::report::Answer;
-use lab::simulate::{Reference, Setup, record, run};
 
 /// The default machine of the specification.
 pub fn machine(resolution: f64) -> Machine {

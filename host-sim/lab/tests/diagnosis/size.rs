@@ -1,13 +1,13 @@
 //! Memory of a diagnosis. Each test by its name alone, so that the peak is its own:
 //! `cargo test --release -p lab --test diagnosis size::ten_minutes -- --ignored --nocapture`
 
+use analysis::simulate::{Reference, Setup, record, run};
 use er_servo::Config;
 use er_servo::experiment::{Experiment, Shape};
 use lab::decide::{Request, diagnose};
 use lab::effects::{Physics, VOCABULARY};
 use lab::read::Recording;
 use lab::report::Verdict;
-use lab::simulate::{Reference, Setup, record, run};
 
 use crate::cases::{COUNT_RAD, answer, machine, recordings};
 

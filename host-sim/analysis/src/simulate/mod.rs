@@ -1,0 +1,9 @@
+//! The closed loop of the flashed control law and the plant, and the recording it leaves.
+
+mod closed_loop;
+mod scenario;
+mod summary;
+
+pub use closed_loop::{ClosedLoop, Disturbance, Row, Setup, period_s, record, run};
+pub use scenario::{Positions, Reference, Scenario};
+pub use summary::{StepFigures, Summary};

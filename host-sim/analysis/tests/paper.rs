@@ -1,0 +1,117 @@
+//! The paper reproduced: the facts that are known of the closed loop, and verdicts that do not change unnoticed.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use std::path::Path;
+
+use analysis::paper::case::{Case, Fluid, PUSH, Response, peak_rad};
+use analysis::paper::claims::Verdict;
+use analysis::paper::{reproduce, table};
+
+fn response(case: &Case) -> Response {
+    case.response(&case.run().unwrap()).unwrap()
+}
+
+#[test]
+fn the_step_settles_rests_and_dips_as_the_specification_says() {
+    let known = [
+        (Fluid::Off, 89.0, 0.999),
+        (Fluid::None, 89.5, 1.036),
+        (Fluid::QDead5, 94.0, 1.023),
+        (Fluid::QDead50, 126.5, 1.005),
+        (Fluid::QLag5, 97.0, 1.027),
+        (Fluid::EDead5, 89.0, 1.002),
+        (Fluid::ELag5, 89.0, 1.032),
+        (Fluid::EDead2Lag3, 89.0, 1.014),
+    ];
+    for (fluid, settling_ms, residual_u) in known {
+        let found = response(&Case { fluid, ..Case::PAPER });
+        println!("{}: {found:?}", fluid.name());
+        assert_eq!(found.overshoot, 0.0, "{fluid:?}");
+        assert!((found.settling_s.unwrap() * 1e3 - settling_ms).abs() <= 2.0, "{fluid:?}: {found:?}");
+        assert!((found.residual_u - residual_u).abs() <= 0.03, "{fluid:?}: {found:?}");
+        match fluid {
+            Fluid::EDead5 => assert!(found.dips >= 6, "{found:?}"),
+            Fluid::None | Fluid::QDead5 | Fluid::QLag5 => assert_eq!(found.dips, 0, "{fluid:?}"),
+            _ => {}
+        }
+    }
+}
+
+#[test]
+fn only_a_holding_brake_keeps_the_rotor_from_returning() {
+    for fluid in Fluid::ALL {
+        let residual_u = response(&Case { fluid, hold: true, ..Case::PAPER }).residual_u;
+        let known = match fluid {
+            Fluid::EDead5 | Fluid::ELag5 | Fluid::EDead2Lag3 => 1.95..2.05,
+            Fluid::Off | Fluid::QDead50 => 0.95..1.06,
+            _ => 1.0..1.06,
+        };
+        assert!(known.contains(&residual_u), "{fluid:?}: {residual_u}");
+    }
+}
+
+#[test]
+fn the_lag_of_the_field_overshoots_only_a_plant_slower_than_its_gains_assume() {
+    let slow = Case { gains_delay_s: 0.002, plant_delay_s: 0.0044, step_rad: 0.0055, ..Case::PAPER };
+    let known = [
+        (Fluid::Off, 14.8),
+        (Fluid::None, 0.0),
+        (Fluid::EDead5, 1.47),
+        (Fluid::EDead2Lag3, 3.43),
+        (Fluid::ELag5, 4.23),
+    ];
+    for (fluid, percent) in known {
+        let found = 100.0 * response(&Case { fluid, ..slow }).overshoot;
+        assert!((found - percent).abs() < 0.05, "{fluid:?}: {found} %");
+    }
+    let as_assumed = Case { plant_delay_s: 0.002, fluid: Fluid::ELag5, ..slow };
+    assert_eq!(response(&as_assumed).overshoot, 0.0);
+}
+
+#[test]
+fn the_brake_takes_a_share_of_the_push() {
+    let pushed = Case { step_rad: 0.0, push: Some(PUSH), ..Case::PAPER };
+    let cases =
+        [(Case { fluid: Fluid::Off, ..pushed }, 28.54), (Case { brake: false, ..pushed }, 25.35), (pushed, 20.46)];
+    for (case, peak_mrad) in cases {
+        let found = 1e3 * peak_rad(&case.run().unwrap());
+        assert!((found - peak_mrad).abs() < 0.02, "{found} mrad, {peak_mrad} known");
+    }
+}
+
+#[test]
+fn every_claim_has_its_verdict_and_every_figure_is_drawn() {
+    let paper = reproduce().unwrap();
+    let verdict = |words: &str| {
+        let claim = paper.claims.iter().find(|claim| claim.statement.contains(words));
+        &claim.unwrap_or_else(|| panic!("no claim with {words:?}")).verdict
+    };
+    assert!(
+        matches!(verdict("large overshoot"), Verdict::HoldsOnly(where_) if where_.contains("slower than the gains"))
+    );
+    assert!(matches!(verdict("cannot return"), Verdict::HoldsOnly(where_) if where_.contains("w = 0")));
+    assert!(matches!(verdict("somewhat inside"), Verdict::HoldsOnly(where_) if where_.contains("peak of (5)")));
+    assert!(matches!(verdict("first"), Verdict::DoesNotHold(_)));
+    assert!(matches!(verdict("several dozen percent"), Verdict::HoldsOnly(_)));
+    assert!(matches!(verdict("experiment"), Verdict::NotTestable(_)));
+
+    for file in
+        ["fig03", "fig04", "fig05", "fig06", "fig09", "fig10", "fig12", "fig13", "fig14", "fig15", "fig16", "fig17"]
+            .into_iter()
+            .chain(["fig18", "fig19"])
+    {
+        let named = paper.figures.iter().find(|named| named.file == format!("{file}.svg"));
+        assert!(named.unwrap_or_else(|| panic!("no {file}")).figure.to_svg().unwrap().contains("<polyline"), "{file}");
+    }
+
+    let golden = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden/paper_claims.md");
+    let table = table::markdown(&paper);
+    if std::env::var_os("UPDATE_GOLDEN").is_some() {
+        std::fs::write(&golden, &table).unwrap();
+    }
+    let known = std::fs::read_to_string(&golden).unwrap_or_default();
+    for (found, known) in table.lines().zip(known.lines()) {
+        assert_eq!(found, known, "a claim came out otherwise; UPDATE_GOLDEN=1 rewrites {}", golden.display());
+    }
+    assert_eq!(table.lines().count(), known.lines().count(), "UPDATE_GOLDEN=1 rewrites {}", golden.display());
+}
