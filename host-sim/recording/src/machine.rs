@@ -1,9 +1,6 @@
 //! The nominal model of a machine.
 
-use std::path::{Path, PathBuf};
-
-use super::machine_file;
-use crate::Error;
+use std::path::PathBuf;
 
 /// Whether positions are angles or lengths; decides every unit of the machine file and of its recordings.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -98,24 +95,4 @@ pub struct Machine {
     pub controller: Option<er_servo::Config>,
     /// Entries `[[effects]]`, in file order.
     pub effects: Vec<EffectEntry>,
-}
-
-impl Machine {
-    /// Reads a machine file.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::Input`] with file, line and key for whatever is not as the format says.
-    pub fn read(file: &Path) -> Result<Self, Error> {
-        machine_file::read(file)
-    }
-
-    /// Reads a machine file from its bytes; `file` names it in messages.
-    ///
-    /// # Errors
-    ///
-    /// As [`Machine::read`].
-    pub fn from_bytes(file: &Path, bytes: &[u8]) -> Result<Self, Error> {
-        machine_file::parse(file, bytes)
-    }
 }

@@ -15,31 +15,42 @@ pub(super) const SCHEMA: u8 = 1;
 /// Longest delay of the drive or of the field, s.
 const DELAY: Allowed = Allowed::Between(0.0, 1.0);
 
-/// Reads `file`, text and all.
-pub(super) fn read(file: &Path) -> Result<Machine, Error> {
-    let bytes = std::fs::read(file).map_err(|error| Error::input(file, None, "", format!("cannot open: {error}")))?;
-    parse(file, &bytes)
-}
+impl Machine {
+    /// Reads a machine file.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Input`] with file, line and key for whatever is not as the format says.
+    pub fn read(file: &Path) -> Result<Self, Error> {
+        let bytes =
+            std::fs::read(file).map_err(|error| Error::input(file, None, "", format!("cannot open: {error}")))?;
+        Self::from_bytes(file, &bytes)
+    }
 
-/// Reads a machine file from its bytes; `file` names it in messages.
-pub(super) fn parse(file: &Path, bytes: &[u8]) -> Result<Machine, Error> {
-    let text = std::str::from_utf8(bytes).map_err(|error| {
-        let line = 1 + bytes[..error.valid_up_to()].iter().filter(|byte| **byte == b'\n').count() as u64;
-        Error::input(file, Some(line), "", "is not UTF-8 text")
-    })?;
-    // Editors on Windows put a byte order mark first.
-    let source = Source { file, text: text.strip_prefix('\u{feff}').unwrap_or(text) };
-    let document = source.parse()?;
-    let top = Section::top(source, &document);
-    top.only(&["schema", "name", "axis", "plant", "controller", "effects"])?;
-    top.required_number("schema", Allowed::Between(f64::from(SCHEMA), f64::from(SCHEMA)))?;
-    let (name, _) = top.required_text("name", "a name in quotes")?;
-    let axis = axis(&top.required_section("axis")?)?;
-    let plant = plant(&top.required_section("plant")?)?;
-    let controller =
-        top.section("controller")?.map(|section| controller_config(&section, &section.pairs()?)).transpose()?;
-    let effects = effects(&top.sections("effects")?, axis.kind)?;
-    Ok(Machine { file: file.to_path_buf(), name: name.to_owned(), axis, plant, controller, effects })
+    /// Reads a machine file from its bytes; `file` names it in messages.
+    ///
+    /// # Errors
+    ///
+    /// As [`Machine::read`].
+    pub fn from_bytes(file: &Path, bytes: &[u8]) -> Result<Self, Error> {
+        let text = std::str::from_utf8(bytes).map_err(|error| {
+            let line = 1 + bytes[..error.valid_up_to()].iter().filter(|byte| **byte == b'\n').count() as u64;
+            Error::input(file, Some(line), "", "is not UTF-8 text")
+        })?;
+        // Editors on Windows put a byte order mark first.
+        let source = Source { file, text: text.strip_prefix('\u{feff}').unwrap_or(text) };
+        let document = source.parse()?;
+        let top = Section::top(source, &document);
+        top.only(&["schema", "name", "axis", "plant", "controller", "effects"])?;
+        top.required_number("schema", Allowed::Between(f64::from(SCHEMA), f64::from(SCHEMA)))?;
+        let (name, _) = top.required_text("name", "a name in quotes")?;
+        let axis = axis(&top.required_section("axis")?)?;
+        let plant = plant(&top.required_section("plant")?)?;
+        let controller =
+            top.section("controller")?.map(|section| controller_config(&section, &section.pairs()?)).transpose()?;
+        let effects = effects(&top.sections("effects")?, axis.kind)?;
+        Ok(Self { file: file.to_path_buf(), name: name.to_owned(), axis, plant, controller, effects })
+    }
 }
 
 fn axis(section: &Section<'_, '_>) -> Result<Axis, Error> {

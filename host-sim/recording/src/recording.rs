@@ -1,53 +1,14 @@
 //! One recording, as columns.
 
 use std::ffi::OsStr;
-use std::io::Cursor;
 use std::ops::Range;
 use std::path::Path;
-
-use bytes::Bytes;
 
 use super::columns::Header;
 use super::nearest::misspelt;
 use super::values::Values;
-use super::{AxisKind, Column, csv_file, gaps, parquet_file};
+use super::{AxisKind, Column, Mode, gaps};
 use crate::Error;
-
-/// What the controller commanded of the damper.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Mode {
-    /// No field.
-    Off,
-    /// Field from equations (4) and (5).
-    Damper,
-    /// Constant braking field.
-    Brake,
-}
-
-impl Mode {
-    /// Every mode.
-    pub const ALL: [Self; 3] = [Self::Off, Self::Damper, Self::Brake];
-
-    /// The word in the column `mode`.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Off => "off",
-            Self::Damper => "damper",
-            Self::Brake => "brake",
-        }
-    }
-}
-
-/// The law's mode as recordings hold it.
-impl From<er_servo::Mode> for Mode {
-    fn from(mode: er_servo::Mode) -> Self {
-        match mode {
-            er_servo::Mode::Off => Self::Off,
-            er_servo::Mode::Damper => Self::Damper,
-            er_servo::Mode::Brake => Self::Brake,
-        }
-    }
-}
 
 /// Samples of one run: columns of equal length, at least one row, time strictly rising.
 ///
@@ -138,41 +99,6 @@ impl Recording {
             Column::Fault => self.fault.as_deref().map(Cells::Fault),
             Column::Counts => self.counts.as_deref().map(Cells::Counts),
         }
-    }
-
-    /// Reads the recording in `file`, by its extension: `.csv`, or `.parquet` with the same columns.
-    ///
-    /// `expected` is the axis of the machine the recording is of; without one the axis follows the units of the columns.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::Input`] with file, line (CSV) or row (Parquet) and column for anything that is not a recording of one
-    /// run of such a machine.
-    pub fn read(file: &Path, expected: Option<AxisKind>) -> Result<Self, Error> {
-        let extension = file.extension().and_then(OsStr::to_str).map(str::to_ascii_lowercase);
-        match extension.as_deref() {
-            Some("csv") => csv_file::read(file, expected),
-            Some("parquet") => parquet_file::read(file, expected),
-            _ => Err(Error::input(file, None, "", "is not a recording by its name: .csv or .parquet")),
-        }
-    }
-
-    /// Reads a recording from the bytes of a CSV file; `file` names it in messages.
-    ///
-    /// # Errors
-    ///
-    /// As [`Recording::read`].
-    pub fn from_csv_bytes(file: &Path, bytes: &[u8], expected: Option<AxisKind>) -> Result<Self, Error> {
-        csv_file::read_from(file, Cursor::new(bytes), expected)
-    }
-
-    /// Reads a recording from the bytes of a Parquet file; `file` names it in messages.
-    ///
-    /// # Errors
-    ///
-    /// As [`Recording::read`].
-    pub fn from_parquet_bytes(file: &Path, bytes: &[u8], expected: Option<AxisKind>) -> Result<Self, Error> {
-        parquet_file::read_from(file, Bytes::copy_from_slice(bytes), expected)
     }
 
     /// Some of the rows, at least one, as ranges in order, with the columns that drive a model and what it is compared with:

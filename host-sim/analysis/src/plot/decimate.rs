@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 use std::ops::Range;
 
-use super::is_shown;
+use super::figure::is_shown;
 
 /// Pieces of a curve between breaks, thinned over `columns` columns of the x range.
 ///

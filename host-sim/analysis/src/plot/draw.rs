@@ -10,8 +10,9 @@ use plotters::element::{Circle, PathElement, Text};
 use plotters::prelude::{Color, DrawingArea, IntoDrawingArea, IntoFont, RGBColor, SVGBackend, ShapeStyle, WHITE};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
+use super::decimate;
+use super::figure::{Figure, Mark, Panel, Series, is_shown};
 use super::ticks::{range, tick_label};
-use super::{Figure, Mark, Panel, Series, decimate, is_shown};
 
 /// Units of the drawing in one pixel of the picture: plotters rounds to whole units, which shows in slow curves.
 const UNITS_PER_PIXEL: u32 = 2;

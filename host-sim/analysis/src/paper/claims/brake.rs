@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::{Claim, Verdict, trim_zeros};
+use super::claim::{Claim, Verdict, trim_zeros};
 use crate::paper::case::{Case, Fluid, PUSH, Speed, peak_rad};
 use crate::paper::scan::GAINS_DELAYS_S;
 use crate::simulate::Disturbance;

@@ -2,7 +2,7 @@
 
 use er_servo::{Config, FIELD_CEILING_KV_MM, Params, field_for_damping_kv_mm, viscosity_nm_s_rad};
 
-use super::{Claim, Verdict};
+use super::claim::{Claim, Verdict};
 
 const A: f64 = 0.0704;
 const B: f64 = 0.470;

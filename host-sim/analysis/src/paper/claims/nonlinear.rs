@@ -2,8 +2,8 @@
 
 use er_servo::Config;
 
+use super::claim::{Claim, Verdict, refused};
 use super::region::plant;
-use super::{Claim, Verdict, refused};
 use crate::paper::case::{COULOMB_NM, INERTIA_KG_M2};
 use crate::stability::describing::{ModelCycles, Search, cycles_by_model};
 use crate::stability::{Fluid, Loop, NormalisedGains};

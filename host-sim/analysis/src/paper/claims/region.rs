@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::{Claim, Verdict, refused};
+use super::claim::{Claim, Verdict, refused};
 use crate::paper::case::{DELAY_S, INERTIA_KG_M2};
 use crate::stability::limits::{Margins, Quantity, margins, tolerance};
 use crate::stability::region::{Window, stable_region};

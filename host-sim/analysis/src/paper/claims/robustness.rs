@@ -2,8 +2,8 @@
 
 use rayon::prelude::*;
 
+use super::claim::{Claim, Verdict, refused};
 use super::region::{DEAD, DELAYS_S, LAG, PEAK_NM_S_RAD, closed};
-use super::{Claim, Verdict, refused};
 use crate::paper::case::DELAY_S;
 use crate::stability::limits::{Quantity, tolerances};
 use crate::stability::{Fluid, Loop, LoopError, curves};

@@ -2,8 +2,8 @@
 
 use rayon::prelude::*;
 
+use super::super::claim::{Claim, Verdict};
 use super::super::law::torque_nm;
-use super::super::{Claim, Verdict};
 use crate::paper::case::{COULOMB_NM, Case, Fluid, Speed};
 use crate::paper::scan::GAINS_DELAYS_S;
 use crate::simulate::Row;

@@ -4,13 +4,12 @@
 mod apart;
 mod overshoot;
 
-use super::{Claim, Where, scanned};
+use super::claim::{Claim, Where, scanned};
 use crate::paper::case::{Fluid, STEP_RAD, Speed};
 use crate::paper::scan::{Cell, Outcome, Scan};
+use overshoot::OVERSHOOT;
 use recording::Error;
 
-/// Overshoots this far apart are different, share of the step: the settling band.
-const OVERSHOOT: f64 = 0.02;
 /// Settling times this far apart are different, as a share.
 const SETTLING: f64 = 0.1;
 

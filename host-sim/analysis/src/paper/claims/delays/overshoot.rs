@@ -2,11 +2,13 @@
 
 use rayon::prelude::*;
 
-use super::super::{Claim, Verdict, scanned, trim_zeros};
-use super::OVERSHOOT;
+use super::super::claim::{Claim, Verdict, scanned, trim_zeros};
 use crate::paper::case::{Case, Fluid, Speed};
 use crate::paper::scan::{Cell, Scan};
 use recording::Error;
+
+/// Overshoots this far apart are different, share of the step: the settling band.
+pub(super) const OVERSHOOT: f64 = 0.02;
 
 /// L of the gains, s.
 const DELAYS_S: [f64; 5] = [0.0015, 0.002, 0.003, 0.005, 0.008];
