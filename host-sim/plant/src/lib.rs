@@ -27,6 +27,7 @@ pub mod chips;
 mod command;
 pub mod effects;
 mod error;
+pub mod laws;
 mod mechanics;
 mod model;
 mod plant;

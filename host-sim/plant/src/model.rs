@@ -133,7 +133,7 @@ impl Er {
     }
 
     /// The a and b of the commanded field, with field gain and scale in them.
-    pub(crate) fn acting(&self) -> (f64, f64) {
+    pub fn acting(&self) -> (f64, f64) {
         (self.a * self.field_gain * self.field_gain * self.scale, self.b * self.field_gain * self.scale)
     }
 }

@@ -37,6 +37,18 @@ impl Signal {
         value
     }
 
+    /// Mean from `from_s` to `to_s` after the start of the segment; the value where the two are one.
+    pub fn mean(&self, from_s: f64, to_s: f64) -> f64 {
+        let length_s = to_s - from_s;
+        let mut value = self.base + 0.5 * self.slope * (from_s + to_s);
+        if self.amplitude != 0.0 {
+            let decay = self.rate * length_s;
+            let share = if decay > 1e-9 { -(-decay).exp_m1() / decay } else { 1.0 };
+            value += self.amplitude * (-self.rate * from_s).exp() * share;
+        }
+        value
+    }
+
     /// Rate of change `dt_s` after the start of the segment, unit per s.
     #[inline]
     pub(crate) fn rate_at(&self, dt_s: f64) -> f64 {

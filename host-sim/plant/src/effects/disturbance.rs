@@ -49,7 +49,7 @@ impl Vibration {
 
     /// Torque at an absolute time, N m (N).
     #[inline]
-    pub(crate) fn torque(&self, t_s: f64) -> f64 {
+    pub fn torque(&self, t_s: f64) -> f64 {
         self.amplitude * (TAU * self.frequency_hz * t_s + self.phase_rad).sin()
     }
 }

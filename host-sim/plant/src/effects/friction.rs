@@ -47,7 +47,7 @@ const BEYOND: f64 = 7.0;
 
 /// Friction levels by direction, index 0 forward and 1 backward.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Friction {
+pub struct Friction {
     coulomb: [f64; 2],
     viscous: [f64; 2],
     stribeck: Stribeck,
@@ -60,7 +60,7 @@ pub(crate) struct Friction {
 
 impl Friction {
     /// From a validated model.
-    pub(crate) fn new(model: &Model) -> Self {
+    pub fn new(model: &Model) -> Self {
         let by_direction = |mean: f64, difference: f64| [mean + 0.5 * difference, mean - 0.5 * difference];
         let stribeck = model.stribeck.unwrap_or(Stribeck { excess: 0.0, velocity: 1.0 });
         Self {
@@ -75,13 +75,13 @@ impl Friction {
 
     /// Coulomb level against motion of that sign, N m.
     #[inline]
-    pub(crate) fn coulomb(&self, sign: f64) -> f64 {
+    pub fn coulomb(&self, sign: f64) -> f64 {
         self.coulomb[usize::from(sign < 0.0)]
     }
 
     /// Viscous coefficient against motion of that sign, N m s/rad.
     #[inline]
-    pub(crate) fn viscous(&self, sign: f64) -> f64 {
+    pub fn viscous(&self, sign: f64) -> f64 {
         self.viscous[usize::from(sign < 0.0)]
     }
 
@@ -95,16 +95,32 @@ impl Friction {
         if self.is_bristle() { 0.0 } else { self.coulomb(sign) + self.stribeck.excess }
     }
 
+    /// What dry friction has over its Coulomb level at that speed (Stribeck), N m.
+    #[inline]
+    pub fn excess(&self, w: f64) -> f64 {
+        let ratio = w * self.per_velocity;
+        if self.stribeck.excess == 0.0 || ratio.abs() > BEYOND {
+            0.0
+        } else {
+            self.stribeck.excess * (-ratio * ratio).exp()
+        }
+    }
+
+    /// Coefficient of w |w|, N m s2/rad2.
+    pub fn quadratic(&self) -> f64 {
+        self.quadratic
+    }
+
+    /// Stiffness of the bristle, N m/rad; none for set-valued friction.
+    pub fn stiffness(&self) -> Option<f64> {
+        self.stiffness
+    }
+
     /// Drag torque, signed like the motion, N m; `bristle` is the force of the bristle, used where there is one.
     #[inline]
     pub(crate) fn torque(&self, sign: f64, w: f64, bristle: f64) -> f64 {
         let mut torque = self.viscous(sign) * w + sign * self.quadratic * w * w;
-        let ratio = w * self.per_velocity;
-        let excess = if self.stribeck.excess == 0.0 || ratio.abs() > BEYOND {
-            0.0
-        } else {
-            self.stribeck.excess * (-ratio * ratio).exp()
-        };
+        let excess = self.excess(w);
         if self.stiffness.is_none() {
             torque += sign * (self.coulomb(sign) + excess);
         } else {
@@ -117,7 +133,7 @@ impl Friction {
     /// The bristle's force after `travel` (signed) from `bristle`: Dahl's rate-independent law
     /// df/dx = stiffness (1 - s f / level) in closed form.
     #[inline]
-    pub(crate) fn bristle_after(&self, sign: f64, bristle: f64, travel: f64) -> f64 {
+    pub fn bristle_after(&self, sign: f64, bristle: f64, travel: f64) -> f64 {
         let Some(stiffness) = self.stiffness else { return 0.0 };
         let level = self.coulomb(sign);
         if sign == 0.0 || level == 0.0 {

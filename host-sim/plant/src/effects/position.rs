@@ -50,7 +50,7 @@ pub(crate) fn validate(model: &Model) -> Result<(), Error> {
 
 /// All of them together.
 #[derive(Debug, Clone)]
-pub(crate) struct PositionTorque {
+pub struct PositionTorque {
     /// Cogging, then gravity as order one.
     harmonics: Vec<Harmonic>,
     spring_stiffness: f64,
@@ -63,7 +63,7 @@ pub(crate) struct PositionTorque {
 
 impl PositionTorque {
     /// From a validated model.
-    pub(crate) fn new(model: &Model) -> Self {
+    pub fn new(model: &Model) -> Self {
         let gravity = model.gravity.map(|gravity| Harmonic {
             amplitude: -gravity.amplitude,
             order: 1.0,
@@ -82,12 +82,19 @@ impl PositionTorque {
 
     /// Torque at a position, N m (N).
     #[inline]
-    pub(crate) fn torque(&self, position: f64) -> f64 {
+    pub fn torque(&self, position: f64) -> f64 {
         let mut torque = -self.spring_stiffness * position;
         for harmonic in &self.harmonics {
             torque += harmonic.at(position);
         }
         torque
+    }
+
+    /// Slope of the torque at a position, N m/rad (N/m).
+    #[inline]
+    pub fn slope(&self, position: f64) -> f64 {
+        let slope = |h: &Harmonic| h.amplitude * h.order * (h.order * position + h.phase_rad).cos();
+        self.harmonics.iter().map(slope).sum::<f64>() - self.spring_stiffness
     }
 
     /// Largest torque near a position, N m (N).

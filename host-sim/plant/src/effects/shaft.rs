@@ -47,13 +47,17 @@ pub(crate) enum Contact {
 
 /// The shaft as a spring and a damper, SI.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct ShaftLaw {
-    pub(crate) motor_inertia: f64,
+pub struct ShaftLaw {
+    /// Inertia on the side of the motor, kg m2 (kg).
+    pub motor_inertia: f64,
     /// One over the inertia of the load, 1/(kg m2).
-    pub(crate) per_load_inertia: f64,
-    stiffness: f64,
-    damping: f64,
-    half_gap: f64,
+    pub per_load_inertia: f64,
+    /// Of the shaft, N m/rad (N/m).
+    pub stiffness: f64,
+    /// Of the shaft, N m s/rad (N s/m).
+    pub damping: f64,
+    /// Free play to either side, rad (m).
+    pub half_gap: f64,
     resonance_rad_s: f64,
     /// At which the damper alone would stop the twist, 1/s.
     damping_rate: f64,
@@ -61,7 +65,7 @@ pub(crate) struct ShaftLaw {
 
 impl ShaftLaw {
     /// From validated parameters and the total inertia; none for a load without inertia.
-    pub(crate) fn new(shaft: &Shaft, inertia: f64) -> Option<Self> {
+    pub fn new(shaft: &Shaft, inertia: f64) -> Option<Self> {
         let ratio = shaft.inertia_ratio;
         if ratio == 0.0 {
             return None;

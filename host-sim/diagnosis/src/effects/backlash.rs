@@ -1,0 +1,28 @@
+//! A load behind a gap: as compliance, with a dead zone of that total width.
+
+use plant::effects::Shaft;
+
+use super::{Effect, PLAIN, Size, free, sized};
+
+/// The entry of the vocabulary.
+pub static EFFECT: Effect = Effect {
+    id: "backlash",
+    sentence: "Part of the inertia hangs behind a gap: gear, key, spline or coupling with play.",
+    parameters: &[
+        sized(Size::Travel, 0.0, 0.1, 1e-3),
+        free(1.0, 500.0, 5.0),
+        free(1e-3, 1.0, 0.02),
+        free(1e-2, 5.0, 0.1),
+    ],
+    starts: |_, e| {
+        let mut all = Vec::new();
+        for gap in [2.5e-4, 5e-4, 1e-3, 2e-3, 4e-3, 8e-3] {
+            for hz in [25.0, 60.0, 140.0] {
+                all.extend([0.15, 0.4, 1.0].map(|ratio| vec![gap * e.travel.max(1e-6), hz, 0.05, ratio]));
+            }
+        }
+        all
+    },
+    put: |p, v| p.model.shaft = Some(Shaft { gap: v[0], resonance_hz: v[1], damping_ratio: v[2], inertia_ratio: v[3] }),
+    ..PLAIN
+};

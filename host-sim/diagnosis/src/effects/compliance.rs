@@ -1,0 +1,20 @@
+//! A load on a flexible shaft: part of the inertia follows through a spring and a damper.
+
+use plant::effects::Shaft;
+
+use super::{Effect, PLAIN, free};
+
+/// The entry of the vocabulary.
+pub static EFFECT: Effect = Effect {
+    id: "compliance",
+    sentence: "Part of the inertia hangs on a flexible shaft or coupling and resonates.",
+    parameters: &[free(1.0, 500.0, 5.0), free(1e-3, 1.0, 0.02), free(1e-2, 5.0, 0.1)],
+    starts: |_, _| {
+        [6.0, 10.0, 15.0, 22.0, 32.0, 45.0, 65.0, 95.0, 140.0]
+            .iter()
+            .flat_map(|&f| [vec![f, 0.03, 0.3], vec![f, 0.1, 1.0]])
+            .collect()
+    },
+    put: |p, v| p.model.shaft = Some(Shaft { resonance_hz: v[0], damping_ratio: v[1], inertia_ratio: v[2], gap: 0.0 }),
+    ..PLAIN
+};

@@ -1,0 +1,29 @@
+//! One external push: a constant torque from start for a duration, in one recording.
+
+use plant::effects::Pulse;
+
+use crate::physics::Push;
+
+use super::{Effect, PLAIN, Size, fixed, free, sized};
+
+/// The entry of the vocabulary.
+pub static EFFECT: Effect = Effect {
+    id: "disturbance_pulse",
+    sentence: "Something pushed the machine once: a hand, a collision, a snagging cable.",
+    parameters: &[fixed(), free(0.0, 1e6, 0.01), free(2e-3, 1e3, 0.01), sized(Size::Torque, -1e2, 1e2, 0.05)],
+    starts: |_, e| {
+        let values = |&(recording, pulse): &(usize, Pulse)| {
+            vec![recording as f64, pulse.start_s, pulse.duration_s, pulse.amplitude]
+        };
+        e.pulses.iter().map(values).collect()
+    },
+    put: |p, v| {
+        let pulse = Pulse { start_s: v[1], duration_s: v[2].max(0.0), amplitude: v[3] };
+        p.pushes.push(Push { recording: v[0] as usize, pulse });
+    },
+    report: |v| v[1..].to_vec(),
+    repeats: true,
+    event: true,
+    recording_of: |v, _| Some(v[0] as usize),
+    ..PLAIN
+};

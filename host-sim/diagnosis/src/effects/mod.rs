@@ -1,0 +1,310 @@
+//! The vocabulary: one file for each effect, with its equation, parameters, start grid, and the sentence that names it.
+//!
+//! An effect changes numbers of [`Physics`]; what those numbers do is in one place for the weak form (`screen`) and in
+//! one for the time domain (`plant`). Adding an effect is adding a file and a line here.
+
+mod backlash;
+mod cogging;
+mod compliance;
+mod coulomb_friction;
+mod disturbance_pulse;
+mod er_drift;
+mod er_preyield;
+mod er_strength;
+mod field_dead_time;
+mod field_gain;
+mod field_lag;
+mod field_lag_asymmetry;
+mod field_slew_limit;
+mod friction_asymmetry;
+mod gravity_load;
+mod inertia;
+mod presliding;
+mod quadratic_drag;
+mod resolver_eccentricity;
+mod sensor_glitch;
+mod sensor_latency;
+mod spring_load;
+mod stribeck_friction;
+mod torque_deadband;
+mod torque_delay;
+mod torque_gain;
+mod torque_lag;
+mod torque_offset;
+mod torque_saturation;
+mod vibration;
+mod viscosity_dead_time;
+mod viscosity_lag;
+mod viscous_friction;
+
+use plant::effects::{Harmonic, Pulse};
+
+use crate::physics::{Physics, Tone};
+
+/// One number of an effect that the fit moves.
+#[derive(Debug, Clone, Copy)]
+pub struct Parameter {
+    /// Smallest value that physics allows.
+    pub low: f64,
+    /// Largest value that physics allows.
+    pub high: f64,
+    /// A change of this size is typical; steps of the fit and of its derivatives are taken relative to it.
+    pub scale: f64,
+    /// False for numbers the start grid decides, such as an order per revolution.
+    pub free: bool,
+    /// What bounds and scale are multiples of.
+    pub size: Size,
+}
+
+/// What the numbers of a parameter are measured by on a machine.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Size {
+    /// The unit itself.
+    Unit,
+    /// Root mean square of the commanded torque.
+    Torque,
+    /// Largest commanded torque.
+    TorquePeak,
+    /// Torque over the largest speed.
+    Damping,
+    /// Torque over the square of the largest speed.
+    Drag,
+    /// Torque over the travel.
+    Stiffness,
+    /// The largest speed.
+    Speed,
+    /// The nominal inertia.
+    Inertia,
+    /// The travel.
+    Travel,
+}
+
+impl Size {
+    /// In SI units of the axis.
+    pub fn of(self, physics: &Physics, excitation: &Excitation) -> f64 {
+        let (speed, travel) = (excitation.speed_peak.max(1e-9), excitation.travel.max(1e-9));
+        match self {
+            Self::Unit => 1.0,
+            Self::Torque => excitation.torque_rms,
+            Self::TorquePeak => excitation.torque_peak,
+            Self::Damping => excitation.torque_rms / speed,
+            Self::Drag => excitation.torque_rms / (speed * speed),
+            Self::Stiffness => excitation.torque_rms / travel,
+            Self::Speed => speed,
+            Self::Inertia => physics.model.inertia,
+            Self::Travel => travel,
+        }
+    }
+}
+
+/// Bounds and scale of a parameter on a machine, in its own unit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Range {
+    /// Smallest value.
+    pub low: f64,
+    /// Largest value.
+    pub high: f64,
+    /// Typical change.
+    pub scale: f64,
+}
+
+/// A free parameter between two bounds.
+pub(crate) const fn free(low: f64, high: f64, scale: f64) -> Parameter {
+    Parameter { low, high, scale, free: true, size: Size::Unit }
+}
+
+/// A free parameter whose bounds and scale are multiples of a size of the machine.
+pub(crate) const fn sized(size: Size, low: f64, high: f64, scale: f64) -> Parameter {
+    Parameter { low, high, scale, free: true, size }
+}
+
+/// A parameter the start grid decides.
+pub(crate) const fn fixed() -> Parameter {
+    Parameter { low: f64::NEG_INFINITY, high: f64::INFINITY, scale: 1.0, free: false, size: Size::Unit }
+}
+
+/// What these recordings excite: sizes that start grids are scaled by, and candidates found in the residual.
+#[derive(Debug, Clone, Default)]
+pub struct Excitation {
+    /// Root mean square of the commanded torque, N m (N).
+    pub torque_rms: f64,
+    /// Largest commanded torque, N m (N).
+    pub torque_peak: f64,
+    /// Largest speed, rad/s (m/s).
+    pub speed_peak: f64,
+    /// Travel, rad (m).
+    pub travel: f64,
+    /// Largest commanded field, kV/mm; 0 without a field column.
+    pub field_peak: f64,
+    /// Longest recording, s.
+    pub duration_s: f64,
+    /// Median sample period, s.
+    pub period_s: f64,
+    /// Number of recordings fitted.
+    pub recordings: usize,
+    /// Rotary or linear.
+    pub linear: bool,
+    /// Orders over position that stand out of the residual, best first.
+    pub orders: Vec<f64>,
+    /// Pushes that stand out of the residual, each with its recording.
+    pub pulses: Vec<(usize, Pulse)>,
+    /// Tones that stand out of the residual, best first.
+    pub tones: Vec<Tone>,
+}
+
+/// How the columns of an effect are made at a start.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Columns {
+    /// One: the whole step from the machine without it to the start.
+    Whole,
+    /// One for each free number: it adds in proportion to each.
+    Each,
+}
+
+/// One entry of the vocabulary.
+pub struct Effect {
+    /// Identifier of the specification.
+    pub id: &'static str,
+    /// One sentence for an engineer: what it is and where it usually comes from.
+    pub sentence: &'static str,
+    /// What the fit moves; where there are more values than entries, the last entry repeats.
+    pub parameters: &'static [Parameter],
+    /// Whether this machine with this excitation can have it.
+    pub applies: fn(&Physics, &Excitation) -> bool,
+    /// Start values, from the nominal machine outwards.
+    pub starts: fn(&Physics, &Excitation) -> Vec<Vec<f64>>,
+    /// Puts values into the machine.
+    pub put: fn(&mut Physics, &[f64]),
+    /// From fitted to reported values.
+    pub report: fn(&[f64]) -> Vec<f64>,
+    /// The first reported value of the machine without it.
+    pub neutral: fn(&Physics) -> f64,
+    /// How its columns are made.
+    pub columns: Columns,
+    /// It may stand in a hypothesis more than once.
+    pub repeats: bool,
+    /// It happens once, in one recording: nothing elsewhere can predict it.
+    pub event: bool,
+    /// The recording that the value at an index belongs to alone; none for what holds for all of them.
+    pub recording_of: fn(&[f64], usize) -> Option<usize>,
+    /// It is a hypothesis that competes but is not in the vocabulary of answers.
+    pub nuisance: bool,
+}
+
+/// What most entries have; an entry overrides what it has otherwise.
+pub(crate) const PLAIN: Effect = Effect {
+    id: "",
+    sentence: "",
+    parameters: &[],
+    applies: |_, _| true,
+    starts: |_, _| Vec::new(),
+    put: |_, _| {},
+    report: <[f64]>::to_vec,
+    neutral: |_| 0.0,
+    columns: Columns::Whole,
+    repeats: false,
+    event: false,
+    recording_of: |_, _| None,
+    nuisance: false,
+};
+
+impl std::fmt::Debug for Effect {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(self.id)
+    }
+}
+
+impl PartialEq for Effect {
+    fn eq(&self, other: &Self) -> bool {
+        self.id == other.id
+    }
+}
+
+impl Effect {
+    /// Bounds and scale of the value at `index`.
+    pub fn parameter(&self, index: usize) -> Parameter {
+        self.parameters[index.min(self.parameters.len() - 1)]
+    }
+
+    /// Bounds and scale of each value on a machine.
+    pub fn ranges(&self, count: usize, physics: &Physics, excitation: &Excitation) -> Vec<Range> {
+        let range = |index| {
+            let parameter = self.parameter(index);
+            let size = parameter.size.of(physics, excitation);
+            Range { low: parameter.low * size, high: parameter.high * size, scale: parameter.scale * size }
+        };
+        (0..count).map(range).collect()
+    }
+
+    /// Number of fitted values that count as freedom, for values of that length.
+    pub fn freedom(&self, values: &[f64]) -> usize {
+        (0..values.len()).filter(|&index| self.parameter(index).free).count()
+    }
+}
+
+/// A machine whose damper is driven in these recordings.
+pub(crate) fn with_field(physics: &Physics, excitation: &Excitation) -> bool {
+    physics.model.er.is_some() && excitation.field_peak > 0.0
+}
+
+/// The sine of values order, sine, cosine.
+pub(crate) fn harmonic(values: &[f64]) -> Harmonic {
+    Harmonic { order: values[0], amplitude: values[1].hypot(values[2]), phase_rad: values[2].atan2(values[1]) }
+}
+
+/// Largest field that the drive commands, kV/mm (control specification, section 3).
+const LARGEST_FIELD_KV_MM: f64 = 3.5;
+
+/// The torque of the damper at its largest field, N m: more than that no delay of a viscosity makes.
+pub(crate) fn strongest(er: &plant::Er) -> f64 {
+    let (a, b) = er.acting();
+    (a * LARGEST_FIELD_KV_MM + b) * LARGEST_FIELD_KV_MM
+}
+
+/// Amplitude, order and phase of values order, sine, cosine.
+pub(crate) fn amplitude_order_phase(values: &[f64]) -> Vec<f64> {
+    vec![values[1].hypot(values[2]), values[0], values[2].atan2(values[1])]
+}
+
+/// The whole vocabulary, in the order of the specification; `controller` is not fitted but replayed.
+pub static VOCABULARY: [&Effect; 33] = [
+    &field_dead_time::EFFECT,
+    &field_lag::EFFECT,
+    &field_lag_asymmetry::EFFECT,
+    &field_slew_limit::EFFECT,
+    &field_gain::EFFECT,
+    &er_strength::EFFECT,
+    &er_drift::EFFECT,
+    &er_preyield::EFFECT,
+    &viscosity_dead_time::EFFECT,
+    &viscosity_lag::EFFECT,
+    &coulomb_friction::EFFECT,
+    &viscous_friction::EFFECT,
+    &stribeck_friction::EFFECT,
+    &friction_asymmetry::EFFECT,
+    &presliding::EFFECT,
+    &torque_gain::EFFECT,
+    &torque_offset::EFFECT,
+    &torque_saturation::EFFECT,
+    &torque_deadband::EFFECT,
+    &torque_delay::EFFECT,
+    &torque_lag::EFFECT,
+    &cogging::EFFECT,
+    &inertia::EFFECT,
+    &gravity_load::EFFECT,
+    &spring_load::EFFECT,
+    &compliance::EFFECT,
+    &backlash::EFFECT,
+    &disturbance_pulse::EFFECT,
+    &vibration::EFFECT,
+    &quadratic_drag::EFFECT,
+    &resolver_eccentricity::EFFECT,
+    &sensor_latency::EFFECT,
+    &sensor_glitch::EFFECT,
+];
+
+/// The effect of that identifier.
+pub fn find(id: &str) -> Option<&'static Effect> {
+    VOCABULARY.iter().find(|effect| effect.id == id).copied()
+}
+

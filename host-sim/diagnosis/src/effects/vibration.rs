@@ -1,0 +1,32 @@
+//! A steady external sine, its phase free in each recording.
+
+use crate::physics::Tone;
+
+use super::{Columns, Effect, PLAIN, Size, free, sized};
+
+/// The entry of the vocabulary.
+pub static EFFECT: Effect = Effect {
+    id: "vibration",
+    sentence: "The machine is shaken at one frequency: a pump, a fan, a neighbour on the same frame.",
+    parameters: &[free(0.1, 1000.0, 0.1), sized(Size::Torque, -1e2, 1e2, 0.05)],
+    starts: |_, e| {
+        let values = |tone: &Tone| {
+            let phasors = tone.phasors.iter().flat_map(|&(sine, cosine)| [sine, cosine]);
+            std::iter::once(tone.frequency_hz).chain(phasors).collect()
+        };
+        e.tones.iter().map(values).collect()
+    },
+    put: |p, v| {
+        p.tone = Some(Tone {
+            frequency_hz: v[0],
+            phasors: v[1..].chunks_exact(2).map(|pair| (pair[0], pair[1])).collect(),
+        })
+    },
+    report: |v| {
+        let power: f64 = v[1..].iter().map(|x| x * x).sum();
+        vec![v[0], (power / (v.len() - 1) as f64 * 2.0).sqrt()]
+    },
+    columns: Columns::Each,
+    recording_of: |_, index| index.checked_sub(1).map(|index| index / 2),
+    ..PLAIN
+};

@@ -1,0 +1,311 @@
+//! One pass over a recording: innovations, their variances, and what a linearised pass needs.
+
+use plant::Model;
+
+use super::acting::{Acting, Grid};
+use super::belief::{BASE, COLOURED, Laws, Linear, POSITION, SPEED, StepNoise, Substep};
+use super::noise::Noise;
+use crate::recorded::Recorded;
+
+/// Innovations beyond this many of their standard deviations pull no harder than one there (Huber): wrong samples. The
+/// specification's figure; 6e-5 of normal innovations lie beyond.
+pub(crate) const HUBER: f64 = 4.0;
+
+/// Largest number of states: the three of every machine, shaft, bristle, spring.
+const MOST_STATES: usize = BASE + 4;
+
+/// What one recording leaves under one model.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Innovations {
+    /// Innovation over its standard deviation, one a row; 0 where none is taken.
+    pub whitened: Vec<f64>,
+    /// Logarithm of its variance, ln(rad^2) (ln(m^2)).
+    pub log_variance: Vec<f64>,
+    /// Estimated position, before the row's own sample, rad (m).
+    pub position: Vec<f64>,
+    /// Estimated speed behind the row's sample, rad/s (m/s).
+    pub speed: Vec<f64>,
+    /// Estimated coloured torque, N m (N).
+    pub coloured: Vec<f64>,
+    /// Whether the row counts.
+    pub counted: Vec<bool>,
+}
+
+/// The path of a pass, for linearised passes along it.
+pub(crate) enum Path {
+    Three(Stored<3>),
+    Four(Stored<4>),
+    Five(Stored<5>),
+    Six(Stored<6>),
+    Seven(Stored<7>),
+}
+
+/// A path with its number of states.
+pub(crate) struct Stored<const N: usize> {
+    steps: Vec<StoredStep<N>>,
+    rows: Vec<StoredRow<N>>,
+}
+
+struct StoredStep<const N: usize> {
+    from: [f64; N],
+    to: [f64; N],
+    linear: Linear<N>,
+}
+
+struct StoredRow<const N: usize> {
+    position: f64,
+    slope: f64,
+    per_sd: f64,
+    /// Kalman gain; zeros where the sample did not pull in proportion.
+    gain: [f64; N],
+    counted: bool,
+}
+
+/// One recording with what acts in it.
+#[derive(Clone, Copy)]
+pub(crate) struct Driven<'a> {
+    pub(crate) recorded: &'a Recorded,
+    pub(crate) grid: &'a Grid,
+    pub(crate) acting: &'a Acting,
+}
+
+/// A model prepared for passes.
+#[derive(Debug, Clone)]
+pub(crate) struct Prepared {
+    laws: Laws,
+    eccentricity: Vec<plant::effects::Harmonic>,
+}
+
+impl Prepared {
+    pub(crate) fn new(model: &Model) -> Self {
+        Self { laws: Laws::new(model), eccentricity: model.sensor.eccentricity.clone() }
+    }
+
+    /// Measured position and its slope over the true one.
+    fn seen(&self, position: f64) -> (f64, f64) {
+        let (mut seen, mut slope) = (position, 1.0);
+        for harmonic in &self.eccentricity {
+            seen += harmonic.at(position);
+            slope += harmonic.amplitude * harmonic.order * (harmonic.order * position + harmonic.phase_rad).cos();
+        }
+        (seen, slope)
+    }
+
+    /// Runs over a recording.
+    pub(crate) fn run(&self, driven: Driven<'_>, noise: &Noise) -> Innovations {
+        match self.laws.states {
+            3 => self.pass::<3>(driven, noise, None),
+            4 => self.pass::<4>(driven, noise, None),
+            5 => self.pass::<5>(driven, noise, None),
+            6 => self.pass::<6>(driven, noise, None),
+            _ => self.pass::<MOST_STATES>(driven, noise, None),
+        }
+    }
+
+    /// Runs over a recording and keeps the path.
+    pub(crate) fn run_kept(&self, driven: Driven<'_>, noise: &Noise) -> (Innovations, Path) {
+        fn kept<const N: usize>(prepared: &Prepared, driven: Driven<'_>, noise: &Noise) -> (Innovations, Stored<N>) {
+            let (steps, rows) = (driven.grid.substeps(), driven.recorded.rows());
+            let mut stored = Stored { steps: Vec::with_capacity(steps), rows: Vec::with_capacity(rows) };
+            (prepared.pass(driven, noise, Some(&mut stored)), stored)
+        }
+        macro_rules! path {
+            ($many:expr, $name:ident) => {{
+                let (innovations, stored) = kept::<$many>(self, driven, noise);
+                (innovations, Path::$name(stored))
+            }};
+        }
+        match self.laws.states {
+            3 => path!(3, Three),
+            4 => path!(4, Four),
+            5 => path!(5, Five),
+            6 => path!(6, Six),
+            _ => path!(MOST_STATES, Seven),
+        }
+    }
+
+    // Over 40 lines: the two halves of a Kalman filter's step, correction and prediction, belong side by side.
+    fn pass<const N: usize>(&self, driven: Driven<'_>, noise: &Noise, mut keep: Option<&mut Stored<N>>) -> Innovations {
+        let Driven { recorded, grid, acting } = driven;
+        let rows = recorded.rows();
+        let mut found = Innovations {
+            whitened: Vec::with_capacity(rows),
+            log_variance: Vec::with_capacity(rows),
+            position: Vec::with_capacity(rows),
+            speed: Vec::with_capacity(rows),
+            coloured: Vec::with_capacity(rows),
+            counted: Vec::with_capacity(rows),
+        };
+        let start = Start::of(recorded);
+        let (mut x, mut p) = self.begin::<N>(&start, noise);
+        let unsettled = (0..rows).take_while(|&row| recorded.t_s[row] - recorded.t_s[0] < start.settling_s).count();
+        for row in 0..rows {
+            if recorded.after_gap[row] {
+                // What was commanded meanwhile is not known: any speed that the torques of the recording allow.
+                let lost_s = recorded.t_s[row] - recorded.t_s[row.saturating_sub(1)];
+                let speed = start.torque_rms * self.laws.per_inertia() * lost_s;
+                p[SPEED][SPEED] += speed * speed;
+                p[POSITION][POSITION] += (0.5 * speed * lost_s).powi(2);
+            }
+            let (seen, slope) = self.seen(x[POSITION]);
+            let variance = slope * slope * p[POSITION][POSITION] + noise.sensor_sd * noise.sensor_sd;
+            let per_sd = variance.sqrt().recip();
+            let innovation = recorded.position[row] - seen;
+            let whitened = innovation * per_sd;
+            let counted = row >= unsettled && !recorded.skipped[row] && !recorded.after_gap[row];
+            found.whitened.push(whitened);
+            found.log_variance.push(variance.ln());
+            found.position.push(x[POSITION]);
+            found.counted.push(counted);
+            let pull = (HUBER / whitened.abs()).min(1.0);
+            let mut gain = [0.0; N];
+            for (i, gain) in gain.iter_mut().enumerate() {
+                *gain = p[i][POSITION] * slope / variance;
+            }
+            for i in 0..N {
+                x[i] += gain[i] * innovation * pull;
+            }
+            let line = p[POSITION];
+            for i in 0..N {
+                for j in 0..N {
+                    p[i][j] -= gain[i] * slope * line[j];
+                }
+            }
+            found.speed.push(x[SPEED]);
+            found.coloured.push(x[COLOURED]);
+            if let Some(stored) = keep.as_deref_mut() {
+                let gain = if pull < 1.0 { [0.0; N] } else { gain };
+                stored.rows.push(StoredRow { position: found.position[row], slope, per_sd, gain, counted });
+            }
+            if row + 1 == rows {
+                break;
+            }
+            let step_noise = noise.over(grid.dt_s[row]);
+            for index in grid.first[row] as usize..grid.first[row + 1] as usize {
+                let step = Substep::of(acting, index, grid.dt_s[row]);
+                let from = x;
+                let linear = self.laws.predict(&mut x, &mut p, &step, &step_noise);
+                if let Some(stored) = keep.as_deref_mut() {
+                    stored.steps.push(StoredStep { from, to: x, linear });
+                }
+            }
+        }
+        found
+    }
+
+    fn begin<const N: usize>(&self, start: &Start, noise: &Noise) -> ([f64; N], [[f64; N]; N]) {
+        let (mut x, mut p) = ([0.0; N], [[0.0; N]; N]);
+        (x[POSITION], x[SPEED]) = (start.position, start.speed);
+        let spread = self.laws.spread(start.position_sd.max(noise.sensor_sd), start.speed_sd, start.torque_rms);
+        for (i, sd) in spread.iter().enumerate() {
+            p[i][i] = sd * sd;
+        }
+        p[COLOURED][COLOURED] = noise.colour_sd * noise.colour_sd;
+        (x, p)
+    }
+
+    /// What each row's whitened innovation would change if, along the path of `base`, the machine were this one: the linear
+    /// response to the difference of the two predictions in every substep.
+    pub(crate) fn response(&self, base: &Self, path: &Path, driven: Driven<'_>) -> Vec<f64> {
+        match path {
+            Path::Three(stored) => self.respond(base, stored, driven),
+            Path::Four(stored) => self.respond(base, stored, driven),
+            Path::Five(stored) => self.respond(base, stored, driven),
+            Path::Six(stored) => self.respond(base, stored, driven),
+            Path::Seven(stored) => self.respond(base, stored, driven),
+        }
+    }
+
+    fn respond<const N: usize>(&self, base: &Self, stored: &Stored<N>, driven: Driven<'_>) -> Vec<f64> {
+        if self.laws.states == base.laws.states {
+            self.linear_pass(base, stored, driven, |step, substep| {
+                self.laws.mean(&step.from, substep, step.linear.speed_sd, step.linear.twist_sd)
+            })
+        } else {
+            let mut inside = [0.0; MOST_STATES];
+            self.linear_pass(base, stored, driven, |step, substep| {
+                inside[..BASE].copy_from_slice(&step.from[..BASE]);
+                let next = self.laws.mean(&inside, substep, step.linear.speed_sd, 0.0);
+                self.laws.carry(&mut inside, &next, step.to[POSITION], step.to[SPEED]);
+                let mut moved = step.to;
+                moved[..BASE].copy_from_slice(&next[..BASE]);
+                moved
+            })
+        }
+    }
+
+    /// Sends the differences that `advance` shows through the filter's own linearisation.
+    fn linear_pass<const N: usize>(
+        &self,
+        base: &Self,
+        stored: &Stored<N>,
+        driven: Driven<'_>,
+        mut advance: impl FnMut(&StoredStep<N>, &Substep) -> [f64; N],
+    ) -> Vec<f64> {
+        let Driven { recorded, grid, acting } = driven;
+        let mut ds = [0.0; N];
+        let mut column = Vec::with_capacity(recorded.rows());
+        let bent = self.eccentricity != base.eccentricity;
+        for (row, kept) in stored.rows.iter().enumerate() {
+            let mut seen = kept.slope * ds[POSITION];
+            if bent {
+                seen += self.seen(kept.position).0 - base.seen(kept.position).0;
+            }
+            column.push(if kept.counted { -seen * kept.per_sd } else { 0.0 });
+            for i in 0..N {
+                ds[i] -= kept.gain[i] * seen;
+            }
+            if row + 1 == stored.rows.len() {
+                break;
+            }
+            for index in grid.first[row] as usize..grid.first[row + 1] as usize {
+                let step = &stored.steps[index];
+                let next = advance(step, &Substep::of(acting, index, grid.dt_s[row]));
+                let mut moved = [0.0; N];
+                for i in 0..N {
+                    let mut sum = if i == COLOURED { 0.0 } else { next[i] - step.to[i] };
+                    for j in 0..N {
+                        sum += step.linear.jacobian[i][j] * ds[j];
+                    }
+                    moved[i] = sum;
+                }
+                ds = moved;
+            }
+        }
+        column
+    }
+}
+
+/// Where a recording begins.
+struct Start {
+    position: f64,
+    position_sd: f64,
+    speed: f64,
+    speed_sd: f64,
+    torque_rms: f64,
+    settling_s: f64,
+}
+
+/// Rows from which position and speed at the start are read.
+const FIRST_ROWS: usize = 6;
+
+impl Start {
+    fn of(recorded: &Recorded) -> Self {
+        let rows = recorded.rows().min(FIRST_ROWS);
+        let last = rows.saturating_sub(1);
+        let length_s = (recorded.t_s[last] - recorded.t_s[0]).max(f64::MIN_POSITIVE);
+        let travel = recorded.position[last] - recorded.position[0];
+        let squares: f64 = recorded.commands.iter().map(|command| command.torque * command.torque).sum();
+        let torque_rms = (squares / recorded.rows().max(1) as f64).sqrt();
+        let speed = if rows > 1 { travel / length_s } else { 0.0 };
+        let rough = recorded.position[..rows].windows(2).map(|pair| (pair[1] - pair[0]).abs()).fold(0.0, f64::max);
+        Self {
+            position: recorded.position[0],
+            position_sd: rough,
+            speed,
+            speed_sd: speed.abs() + 2.0 * rough / length_s,
+            torque_rms,
+            settling_s: length_s,
+        }
+    }
+}

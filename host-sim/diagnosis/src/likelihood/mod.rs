@@ -1,0 +1,11 @@
+//! The one judge of fit: how likely a recording is under a hypothesis.
+
+mod acting;
+mod belief;
+pub(crate) mod filter;
+mod gaussian;
+mod noise;
+
+pub use acting::{Acting, Grid};
+pub use filter::Innovations;
+pub use noise::Noise;
