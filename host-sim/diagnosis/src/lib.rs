@@ -1,6 +1,12 @@
 //! What physics a model leaves out.
 #![forbid(unsafe_code)]
 
+pub mod effects;
+pub mod hypothesis;
 pub mod likelihood;
+mod nominal;
 pub mod physics;
+pub mod problem;
 pub mod recorded;
+pub mod score;
+pub mod search;

@@ -1,6 +1,7 @@
 //! What the diagnosis takes of a recording.
 
 use plant::Command;
+use recording::{Mode, Recording};
 
 /// One recording as the likelihood reads it: columns of equal length, time strictly rising.
 #[derive(Debug, Clone, PartialEq)]
@@ -19,7 +20,32 @@ pub struct Recorded {
     pub after_gap: Vec<bool>,
 }
 
+/// What was commanded in a gap acts this long after it, s: delays and lags of drive and fluid.
+const ACTS_S: f64 = 0.03;
+/// Time constant of the speed estimate where a recording has none, s: the drive's default (control.md section 3).
+const SPEED_FILTER_S: f64 = 0.001;
+
 impl Recorded {
+    /// The columns of a recording that the likelihood reads.
+    pub fn new(recording: &Recording) -> Self {
+        let rows = recording.t_s.len();
+        let mut after_gap = vec![false; rows];
+        let mut skipped = vec![false; rows];
+        for &gap in &recording.gaps {
+            after_gap[gap + 1] = true;
+            let until = recording.t_s.partition_point(|t_s| *t_s < recording.t_s[gap + 1] + ACTS_S);
+            skipped[gap + 1..until].fill(true);
+        }
+        Self {
+            name: recording.name.clone(),
+            t_s: recording.t_s.clone(),
+            position: recording.position.clone(),
+            commands: commands(recording),
+            skipped,
+            after_gap,
+        }
+    }
+
     /// Number of rows.
     pub fn rows(&self) -> usize {
         self.t_s.len()
@@ -39,4 +65,37 @@ impl Recorded {
     pub fn duration_s(&self) -> f64 {
         self.t_s.last().zip(self.t_s.first()).map_or(0.0, |(last, first)| last - first)
     }
+}
+
+/// One command a row, each held to the next row.
+fn commands(recording: &Recording) -> Vec<Command> {
+    let speed = recording.velocity.clone().unwrap_or_else(|| rebuilt_speed(recording));
+    (0..recording.t_s.len())
+        .map(|row| Command {
+            torque: recording.effort_cmd[row],
+            field_kv_mm: recording.field_cmd_kv_mm.as_ref().map_or(0.0, |field| field[row]),
+            braking: recording.mode.as_ref().is_some_and(|mode| mode[row] == Mode::Brake),
+            speed_estimate: speed[row],
+            ..Command::default()
+        })
+        .collect()
+}
+
+/// The estimate of the drive from the recorded position: backward difference and first-order low-pass, begun anew after
+/// each gap.
+fn rebuilt_speed(recording: &Recording) -> Vec<f64> {
+    let (t_s, position) = (&recording.t_s, &recording.position);
+    let mut estimate = 0.0;
+    let mut speed = Vec::with_capacity(t_s.len());
+    for row in 0..t_s.len() {
+        if row > 0 {
+            let dt_s = t_s[row] - t_s[row - 1];
+            let raw = (position[row] - position[row - 1]) / dt_s;
+            let after_gap = recording.gaps.binary_search(&(row - 1)).is_ok();
+            let gain = if after_gap { 1.0 } else { 1.0 - (-dt_s / SPEED_FILTER_S).exp() };
+            estimate += gain * (raw - estimate);
+        }
+        speed.push(estimate);
+    }
+    speed
 }

@@ -7,7 +7,7 @@ pub static EFFECT: Effect = Effect {
     id: "cogging",
     sentence: "A torque that repeats over position: cogging of magnets against teeth, commutation error, or a ripple of the gear.",
     parameters: &[fixed(), sized(Size::Torque, -1e2, 1e2, 0.05), sized(Size::Torque, -1e2, 1e2, 0.05)],
-    starts: |_, e| e.orders.iter().map(|&order| vec![order, 0.02 * e.torque_rms, 0.02 * e.torque_rms]).collect(),
+    starts: |_, e| e.orders.iter().map(|&order| vec![order, 0.0, 0.0]).collect(),
     put: |p, v| p.model.cogging.push(harmonic(v)),
     report: amplitude_order_phase,
     columns: Columns::Each,

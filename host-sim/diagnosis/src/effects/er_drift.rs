@@ -1,6 +1,6 @@
 //! The electrorheological torque times 1 + r t.
 
-use super::{Effect, PLAIN, free, with_field};
+use super::{Columns, Effect, PLAIN, free, with_field};
 
 /// The entry of the vocabulary.
 pub static EFFECT: Effect = Effect {
@@ -8,11 +8,12 @@ pub static EFFECT: Effect = Effect {
     sentence: "The fluid's torque drifts with time: warming by its own friction and leakage current.",
     parameters: &[free(-1.0, 1.0, 0.01)],
     applies: with_field,
-    starts: |_, e| [-0.2, 0.2].iter().map(|&v| vec![v / e.duration_s.max(1e-3)]).collect(),
+    starts: |_, _| vec![vec![0.0]],
     put: |p, v| {
         if let Some(er) = &mut p.model.er {
             er.drift_per_s = v[0];
         }
     },
+    columns: Columns::Each,
     ..PLAIN
 };

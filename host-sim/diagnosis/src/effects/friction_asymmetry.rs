@@ -9,7 +9,7 @@ pub static EFFECT: Effect = Effect {
     id: "friction_asymmetry",
     sentence: "Friction differs by direction: preload of the screw or bearing, seals, a belt or brush that drags one way.",
     parameters: &[sized(Size::Torque, -1e2, 1e2, 0.05), sized(Size::Damping, -1e2, 1e2, 0.05)],
-    starts: |_, e| vec![vec![0.05 * e.torque_rms, 0.05 * e.torque_rms / e.speed_peak.max(1e-9)]],
+    starts: |_, _| vec![vec![0.0, 0.0]],
     put: |p, v| p.model.asymmetry = Asymmetry { coulomb: v[0], viscous: v[1] },
     columns: Columns::Each,
     ..PLAIN

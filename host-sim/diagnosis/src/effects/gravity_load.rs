@@ -10,7 +10,7 @@ pub static EFFECT: Effect = Effect {
     sentence: "An unbalanced weight pulls with the angle: an arm, a payload off centre, an axis that is not vertical.",
     parameters: &[sized(Size::Torque, -1e2, 1e2, 0.05), sized(Size::Torque, -1e2, 1e2, 0.05)],
     applies: |_, e| !e.linear && e.travel > 0.2,
-    starts: |_, e| vec![vec![0.05 * e.torque_rms, 0.05 * e.torque_rms]],
+    starts: |_, _| vec![vec![0.0, 0.0]],
     put: |p, v| p.model.gravity = Some(Gravity { amplitude: v[0].hypot(v[1]), phase_rad: v[1].atan2(v[0]) }),
     report: |v| vec![v[0].hypot(v[1]), v[1].atan2(v[0])],
     columns: Columns::Each,

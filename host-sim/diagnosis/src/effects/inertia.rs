@@ -1,14 +1,15 @@
 //! The moving inertia.
 
-use super::{Effect, PLAIN, Size, sized};
+use super::{Columns, Effect, PLAIN, Size, sized};
 
 /// The entry of the vocabulary.
 pub static EFFECT: Effect = Effect {
     id: "inertia",
     sentence: "The moving inertia is not nominal: payload, coupling or tooling, or a datasheet value without them.",
     parameters: &[sized(Size::Inertia, 0.3, 4.0, 0.05)],
-    starts: |p, _| vec![vec![1.05 * p.model.inertia]],
+    starts: |p, _| vec![vec![p.model.inertia]],
     put: |p, v| p.model.inertia = v[0],
     neutral: |p| p.model.inertia,
+    columns: Columns::Each,
     ..PLAIN
 };

@@ -52,6 +52,8 @@ pub struct Parameter {
     pub scale: f64,
     /// False for numbers the start grid decides, such as an order per revolution.
     pub free: bool,
+    /// Found by a search of the likelihood along it and not by derivatives.
+    pub searched: bool,
     /// What bounds and scale are multiples of.
     pub size: Size,
 }
@@ -110,17 +112,22 @@ pub struct Range {
 
 /// A free parameter between two bounds.
 pub(crate) const fn free(low: f64, high: f64, scale: f64) -> Parameter {
-    Parameter { low, high, scale, free: true, size: Size::Unit }
+    Parameter { low, high, scale, free: true, searched: false, size: Size::Unit }
 }
 
 /// A free parameter whose bounds and scale are multiples of a size of the machine.
 pub(crate) const fn sized(size: Size, low: f64, high: f64, scale: f64) -> Parameter {
-    Parameter { low, high, scale, free: true, size }
+    Parameter { low, high, scale, free: true, searched: false, size }
 }
 
 /// A parameter the start grid decides.
 pub(crate) const fn fixed() -> Parameter {
-    Parameter { low: f64::NEG_INFINITY, high: f64::INFINITY, scale: 1.0, free: false, size: Size::Unit }
+    Parameter { low: f64::NEG_INFINITY, high: f64::INFINITY, scale: 1.0, free: false, searched: false, size: Size::Unit }
+}
+
+/// A number above zero that no derivative of the innovations tells.
+pub(crate) const fn searched(low: f64, high: f64) -> Parameter {
+    Parameter { low, high, scale: 1.0, free: false, searched: true, size: Size::Unit }
 }
 
 /// What these recordings excite: sizes that start grids are scaled by, and candidates found in the residual.
@@ -150,6 +157,8 @@ pub struct Excitation {
     pub pulses: Vec<(usize, Pulse)>,
     /// Tones that stand out of the residual, best first.
     pub tones: Vec<Tone>,
+    /// Share and size of isolated samples that stand out, if there are any.
+    pub glitch: Option<(f64, f64)>,
 }
 
 /// How the columns of an effect are made at a start.
@@ -238,7 +247,7 @@ impl Effect {
 
     /// Number of fitted values that count as freedom, for values of that length.
     pub fn freedom(&self, values: &[f64]) -> usize {
-        (0..values.len()).filter(|&index| self.parameter(index).free).count()
+        (0..values.len()).filter(|&index| self.parameter(index).free || self.parameter(index).searched).count()
     }
 }
 

@@ -13,7 +13,7 @@ pub static EFFECT: Effect = Effect {
     starts: |_, e| {
         let low = (1..=8).map(f64::from).filter(|order| !e.linear && order * e.travel > 1.0);
         let others = e.orders.iter().copied().filter(|order| e.linear || *order > 8.0);
-        low.chain(others).map(|order| vec![order, 1e-4, 1e-4]).collect()
+        low.chain(others).map(|order| vec![order, 0.0, 0.0]).collect()
     },
     put: |p, v| p.model.sensor.eccentricity.push(harmonic(v)),
     report: amplitude_order_phase,

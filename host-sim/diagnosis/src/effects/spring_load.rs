@@ -1,13 +1,14 @@
 //! A spring to position 0: -k th.
 
-use super::{Effect, PLAIN, Size, sized};
+use super::{Columns, Effect, PLAIN, Size, sized};
 
 /// The entry of the vocabulary.
 pub static EFFECT: Effect = Effect {
     id: "spring_load",
     sentence: "A force proportional to position: a cable, hose or return spring.",
     parameters: &[sized(Size::Stiffness, 0.0, 1e3, 0.05)],
-    starts: |_, e| vec![vec![0.05 * e.torque_rms / e.travel.max(1e-9)]],
+    starts: |p, _| vec![vec![p.model.spring_stiffness]],
     put: |p, v| p.model.spring_stiffness = v[0],
+    columns: Columns::Each,
     ..PLAIN
 };

@@ -1,14 +1,15 @@
 //! The drive gives a gain times the commanded torque.
 
-use super::{Effect, PLAIN, free};
+use super::{Columns, Effect, PLAIN, free};
 
 /// The entry of the vocabulary.
 pub static EFFECT: Effect = Effect {
     id: "torque_gain",
     sentence: "The drive gives another torque than commanded by a factor: torque constant, current-sensor or DAC calibration, magnet temperature.",
     parameters: &[free(0.3, 3.0, 0.05)],
-    starts: |p, _| vec![vec![1.05 * p.model.torque_gain]],
+    starts: |p, _| vec![vec![p.model.torque_gain]],
     put: |p, v| p.model.torque_gain = v[0],
     neutral: |p| p.model.torque_gain,
+    columns: Columns::Each,
     ..PLAIN
 };

@@ -1,14 +1,15 @@
 //! The drive adds a constant torque.
 
-use super::{Effect, PLAIN, Size, sized};
+use super::{Columns, Effect, PLAIN, Size, sized};
 
 /// The entry of the vocabulary.
 pub static EFFECT: Effect = Effect {
     id: "torque_offset",
     sentence: "A constant torque is added: offset of the current sensor or DAC, or a constant load.",
     parameters: &[sized(Size::Torque, -1e2, 1e2, 0.05)],
-    starts: |p, e| vec![vec![p.model.torque_offset + 0.05 * e.torque_rms]],
+    starts: |p, _| vec![vec![p.model.torque_offset]],
     put: |p, v| p.model.torque_offset = v[0],
     neutral: |p| p.model.torque_offset,
+    columns: Columns::Each,
     ..PLAIN
 };

@@ -122,7 +122,7 @@ impl Laws {
         let (w, dt_s) = (x[SPEED], step.dt_s);
         let sign = if w < 0.0 { -1.0 } else { 1.0 };
         let middle = x[POSITION] + 0.5 * dt_s * w;
-        let (mut viscous, mut level) = (self.friction.viscous(sign) + self.friction.quadratic() * w.abs(), 0.0);
+        let (mut viscous, mut level) = (self.friction.viscous(sign), 0.0);
         if step.viscosity > 0.0 {
             if step.viscosity * w.abs() > self.viscous_limit {
                 level += self.viscous_limit;
@@ -130,10 +130,6 @@ impl Laws {
                 viscous += step.viscosity;
             }
         }
-        let rate = viscous / self.inertia;
-        let decay = rate * dt_s;
-        let kept = if decay > 0.0 { (-decay).exp() } else { 1.0 };
-        let gain = if decay > 1e-9 { (1.0 - kept) / viscous } else { dt_s / self.inertia };
         let mut torque = step.torque + x[COLOURED] + self.position.torque(middle);
         let mut shaft = (0.0, 0.0);
         if let (Some(at), Some(law)) = (self.twist, &self.shaft) {
@@ -141,7 +137,17 @@ impl Laws {
             shaft = (law.stiffness * bent.mean + law.damping * bent.slope * x[at + 1], bent.slope);
             torque += shaft.0;
         }
-        let excess = self.friction.excess(w);
+        let dry = |sign: f64| if self.bristle.is_some() { 0.0 } else { self.friction.coulomb(sign) };
+        let half = 0.5 * dt_s / self.inertia;
+        let held = half * (level + dry(sign) + if self.spring.is_some() { 0.0 } else { step.level });
+        // What bends over speed is taken at the speed in the middle of the substep.
+        let sliding = w + half * (torque - viscous * w);
+        let between = if sliding.abs() > held { sliding - held.copysign(sliding) } else { 0.0 };
+        viscous += self.friction.quadratic() * between.abs();
+        let decay = viscous / self.inertia * dt_s;
+        let kept = if decay > 0.0 { (-decay).exp() } else { 1.0 };
+        let gain = if decay > 1e-9 { (1.0 - kept) / viscous } else { dt_s / self.inertia };
+        let excess = self.friction.excess(between);
         if let Some(at) = self.bristle {
             let coulomb = 0.5 * (self.friction.coulomb(1.0) + self.friction.coulomb(-1.0));
             torque -= x[at] * (1.0 + excess / coulomb.max(f64::MIN_POSITIVE));
@@ -153,7 +159,6 @@ impl Laws {
         } else {
             level += step.level;
         }
-        let dry = |sign: f64| if self.bristle.is_some() { 0.0 } else { self.friction.coulomb(sign) };
         Free {
             speed: kept * w + gain * torque,
             gain,

@@ -1,10 +1,12 @@
 //! One pass over a recording: innovations, their variances, and what a linearised pass needs.
 
-use plant::Model;
+use std::ops::Range;
+
 
 use super::acting::{Acting, Grid};
-use super::belief::{BASE, COLOURED, Laws, Linear, POSITION, SPEED, StepNoise, Substep};
+use super::belief::{BASE, COLOURED, Laws, Linear, POSITION, SPEED, Substep};
 use super::noise::Noise;
+use crate::physics::Physics;
 use crate::recorded::Recorded;
 
 /// Innovations beyond this many of their standard deviations pull no harder than one there (Huber): wrong samples. The
@@ -14,13 +16,22 @@ pub(crate) const HUBER: f64 = 4.0;
 /// Largest number of states: the three of every machine, shaft, bristle, spring.
 const MOST_STATES: usize = BASE + 4;
 
+/// Minus twice the log-likelihood of a whitened innovation, but for its variance: squares, straight beyond the Huber limit.
+#[inline]
+fn loss(whitened: f64) -> f64 {
+    let size = whitened.abs();
+    if size <= HUBER { size * size } else { HUBER * (2.0 * size - HUBER) }
+}
+
 /// What one recording leaves under one model.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Innovations {
     /// Innovation over its standard deviation, one a row; 0 where none is taken.
     pub whitened: Vec<f64>,
-    /// Logarithm of its variance, ln(rad^2) (ln(m^2)).
-    pub log_variance: Vec<f64>,
+    /// Recorded minus predicted position, rad (m).
+    pub innovation: Vec<f64>,
+    /// Log-likelihood of the sample, but for a constant; 0 where none is taken.
+    pub log_likelihood: Vec<f64>,
     /// Estimated position, before the row's own sample, rad (m).
     pub position: Vec<f64>,
     /// Estimated speed behind the row's sample, rad/s (m/s).
@@ -62,11 +73,13 @@ struct StoredRow<const N: usize> {
 }
 
 /// One recording with what acts in it.
-#[derive(Clone, Copy)]
+#[derive(Clone)]
 pub(crate) struct Driven<'a> {
     pub(crate) recorded: &'a Recorded,
     pub(crate) grid: &'a Grid,
     pub(crate) acting: &'a Acting,
+    /// Rows to run over.
+    pub(crate) rows: Range<usize>,
 }
 
 /// A model prepared for passes.
@@ -74,11 +87,27 @@ pub(crate) struct Driven<'a> {
 pub(crate) struct Prepared {
     laws: Laws,
     eccentricity: Vec<plant::effects::Harmonic>,
+    glitch: Option<(f64, f64)>,
 }
 
 impl Prepared {
-    pub(crate) fn new(model: &Model) -> Self {
-        Self { laws: Laws::new(model), eccentricity: model.sensor.eccentricity.clone() }
+    pub(crate) fn new(physics: &Physics, recording: usize) -> Self {
+        let model = physics.model_of(recording);
+        Self { laws: Laws::new(&model), eccentricity: model.sensor.eccentricity, glitch: physics.glitch }
+    }
+
+    /// Log-likelihood of a whitened innovation, and how much it pulls: of a wrong sample, nothing. Without wrong samples in
+    /// the hypothesis the loss is Huber's.
+    fn judged(&self, whitened: f64, per_sd: f64) -> (f64, f64) {
+        let Some((share, size)) = self.glitch else {
+            return (per_sd.ln() - 0.5 * loss(whitened), (HUBER / whitened.abs()).min(1.0));
+        };
+        let right = (1.0 - share) * (-0.5 * whitened * whitened).exp();
+        let off = size * per_sd;
+        let by = |off: f64| (-0.5 * loss(whitened - off)).exp();
+        let wrong = 0.5 * share * (by(off) + by(-off));
+        let all = (right + wrong).max(f64::MIN_POSITIVE);
+        (per_sd.ln() + all.ln(), right / all)
     }
 
     /// Measured position and its slope over the true one.
@@ -126,20 +155,22 @@ impl Prepared {
 
     // Over 40 lines: the two halves of a Kalman filter's step, correction and prediction, belong side by side.
     fn pass<const N: usize>(&self, driven: Driven<'_>, noise: &Noise, mut keep: Option<&mut Stored<N>>) -> Innovations {
-        let Driven { recorded, grid, acting } = driven;
-        let rows = recorded.rows();
+        let Driven { recorded, grid, acting, rows: range } = driven;
+        let rows = range.len();
         let mut found = Innovations {
             whitened: Vec::with_capacity(rows),
-            log_variance: Vec::with_capacity(rows),
+            innovation: Vec::with_capacity(rows),
+            log_likelihood: Vec::with_capacity(rows),
             position: Vec::with_capacity(rows),
             speed: Vec::with_capacity(rows),
             coloured: Vec::with_capacity(rows),
             counted: Vec::with_capacity(rows),
         };
-        let start = Start::of(recorded);
+        let start = Start::of(recorded, &range);
         let (mut x, mut p) = self.begin::<N>(&start, noise);
-        let unsettled = (0..rows).take_while(|&row| recorded.t_s[row] - recorded.t_s[0] < start.settling_s).count();
-        for row in 0..rows {
+        let mut lost = Lost::default();
+        let settled_s = recorded.t_s[range.start] + start.settling_s;
+        for row in range.clone() {
             if recorded.after_gap[row] {
                 // What was commanded meanwhile is not known: any speed that the torques of the recording allow.
                 let lost_s = recorded.t_s[row] - recorded.t_s[row.saturating_sub(1)];
@@ -148,16 +179,24 @@ impl Prepared {
                 p[POSITION][POSITION] += (0.5 * speed * lost_s).powi(2);
             }
             let (seen, slope) = self.seen(x[POSITION]);
-            let variance = slope * slope * p[POSITION][POSITION] + noise.sensor_sd * noise.sensor_sd;
-            let per_sd = variance.sqrt().recip();
             let innovation = recorded.position[row] - seen;
+            let sensor = noise.sensor_sd * noise.sensor_sd;
+            let mut variance = slope * slope * p[POSITION][POSITION] + sensor;
+            if lost.after(innovation, variance) {
+                let since_s = recorded.t_s[row] - recorded.t_s[row - LOST_ROWS.min(row)];
+                p[POSITION][POSITION] += innovation * innovation;
+                p[SPEED][SPEED] += (innovation / since_s.max(f64::MIN_POSITIVE)).powi(2);
+                variance = slope * slope * p[POSITION][POSITION] + sensor;
+            }
+            let per_sd = variance.sqrt().recip();
             let whitened = innovation * per_sd;
-            let counted = row >= unsettled && !recorded.skipped[row] && !recorded.after_gap[row];
+            let counted = recorded.t_s[row] >= settled_s && !recorded.skipped[row] && !recorded.after_gap[row];
             found.whitened.push(whitened);
-            found.log_variance.push(variance.ln());
+            found.innovation.push(innovation);
             found.position.push(x[POSITION]);
             found.counted.push(counted);
-            let pull = (HUBER / whitened.abs()).min(1.0);
+            let (log_likelihood, pull) = self.judged(whitened, per_sd);
+            found.log_likelihood.push(if counted { log_likelihood } else { 0.0 });
             let mut gain = [0.0; N];
             for (i, gain) in gain.iter_mut().enumerate() {
                 *gain = p[i][POSITION] * slope / variance;
@@ -174,10 +213,10 @@ impl Prepared {
             found.speed.push(x[SPEED]);
             found.coloured.push(x[COLOURED]);
             if let Some(stored) = keep.as_deref_mut() {
-                let gain = if pull < 1.0 { [0.0; N] } else { gain };
-                stored.rows.push(StoredRow { position: found.position[row], slope, per_sd, gain, counted });
+                let gain = if pull < 0.5 { [0.0; N] } else { gain };
+                stored.rows.push(StoredRow { position: found.position[row - range.start], slope, per_sd, gain, counted });
             }
-            if row + 1 == rows {
+            if row + 1 == range.end {
                 break;
             }
             let step_noise = noise.over(grid.dt_s[row]);
@@ -234,6 +273,18 @@ impl Prepared {
         }
     }
 
+    /// Sensitivity of half the squared whitened innovations to a torque in each substep, with the sign of the torque that is
+    /// missing; the adjoint of the linearised pass.
+    pub(crate) fn missing_torque(&self, path: &Path, innovations: &Innovations, grid: &Grid) -> Vec<f64> {
+        match path {
+            Path::Three(stored) => adjoint(stored, innovations, grid),
+            Path::Four(stored) => adjoint(stored, innovations, grid),
+            Path::Five(stored) => adjoint(stored, innovations, grid),
+            Path::Six(stored) => adjoint(stored, innovations, grid),
+            Path::Seven(stored) => adjoint(stored, innovations, grid),
+        }
+    }
+
     /// Sends the differences that `advance` shows through the filter's own linearisation.
     fn linear_pass<const N: usize>(
         &self,
@@ -242,7 +293,7 @@ impl Prepared {
         driven: Driven<'_>,
         mut advance: impl FnMut(&StoredStep<N>, &Substep) -> [f64; N],
     ) -> Vec<f64> {
-        let Driven { recorded, grid, acting } = driven;
+        let Driven { recorded, grid, acting, .. } = driven;
         let mut ds = [0.0; N];
         let mut column = Vec::with_capacity(recorded.rows());
         let bent = self.eccentricity != base.eccentricity;
@@ -276,6 +327,57 @@ impl Prepared {
     }
 }
 
+/// Rows in a row beyond the Huber limit on one side after which the belief, and not the samples, is wrong: among normal
+/// innovations three have a probability below 1e-13.
+const LOST_ROWS: usize = 3;
+
+/// Counts innovations that the belief held impossible.
+#[derive(Debug, Default)]
+struct Lost {
+    rows: usize,
+    sign: f64,
+}
+
+impl Lost {
+    /// Whether the belief has lost the rotor, with this innovation the last of several; it counts anew then.
+    fn after(&mut self, innovation: f64, variance: f64) -> bool {
+        if innovation * innovation <= HUBER * HUBER * variance {
+            self.rows = 0;
+            return false;
+        }
+        self.rows = if innovation.signum() == self.sign { self.rows + 1 } else { 1 };
+        self.sign = innovation.signum();
+        let lost = self.rows >= LOST_ROWS;
+        if lost {
+            self.rows = 0;
+        }
+        lost
+    }
+}
+
+fn adjoint<const N: usize>(stored: &Stored<N>, innovations: &Innovations, grid: &Grid) -> Vec<f64> {
+    let mut missing = vec![0.0; stored.steps.len()];
+    let mut a = [0.0; N];
+    for (row, kept) in stored.rows.iter().enumerate().rev() {
+        if row + 1 < stored.rows.len() {
+            for index in (grid.first[row] as usize..grid.first[row + 1] as usize).rev() {
+                let f = &stored.steps[index].linear.jacobian;
+                // A torque acts as the coloured noise does.
+                missing[index] = (0..N).filter(|&i| i != COLOURED).map(|i| a[i] * f[i][COLOURED]).sum();
+                let mut before = [0.0; N];
+                for (j, before) in before.iter_mut().enumerate() {
+                    *before = (0..N).map(|i| a[i] * f[i][j]).sum();
+                }
+                a = before;
+            }
+        }
+        let pulled: f64 = (0..N).map(|i| a[i] * kept.gain[i]).sum();
+        let own = if kept.counted { innovations.whitened[row].clamp(-HUBER, HUBER) * kept.per_sd } else { 0.0 };
+        a[POSITION] += kept.slope * (own - pulled);
+    }
+    missing
+}
+
 /// Where a recording begins.
 struct Start {
     position: f64,
@@ -290,17 +392,18 @@ struct Start {
 const FIRST_ROWS: usize = 6;
 
 impl Start {
-    fn of(recorded: &Recorded) -> Self {
-        let rows = recorded.rows().min(FIRST_ROWS);
-        let last = rows.saturating_sub(1);
-        let length_s = (recorded.t_s[last] - recorded.t_s[0]).max(f64::MIN_POSITIVE);
-        let travel = recorded.position[last] - recorded.position[0];
+    fn of(recorded: &Recorded, range: &Range<usize>) -> Self {
+        let first = range.start;
+        let rows = range.len().min(FIRST_ROWS);
+        let last = first + rows.saturating_sub(1);
+        let length_s = (recorded.t_s[last] - recorded.t_s[first]).max(f64::MIN_POSITIVE);
+        let travel = recorded.position[last] - recorded.position[first];
         let squares: f64 = recorded.commands.iter().map(|command| command.torque * command.torque).sum();
         let torque_rms = (squares / recorded.rows().max(1) as f64).sqrt();
         let speed = if rows > 1 { travel / length_s } else { 0.0 };
-        let rough = recorded.position[..rows].windows(2).map(|pair| (pair[1] - pair[0]).abs()).fold(0.0, f64::max);
+        let rough = recorded.position[first..first + rows].windows(2).map(|pair| (pair[1] - pair[0]).abs()).fold(0.0, f64::max);
         Self {
-            position: recorded.position[0],
+            position: recorded.position[first],
             position_sd: rough,
             speed,
             speed_sd: speed.abs() + 2.0 * rough / length_s,

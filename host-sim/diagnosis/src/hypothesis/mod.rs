@@ -1,0 +1,67 @@
+//! A hypothesis: effects with values on top of the nominal machine.
+
+mod evaluate;
+mod refit;
+
+use crate::effects::Effect;
+use crate::physics::Physics;
+
+pub use evaluate::{Evaluation, evaluate, noise_of};
+pub(crate) use evaluate::{COLOUR_S, Kept, kept};
+pub(crate) use refit::columns;
+pub use refit::{Refitted, refit};
+
+/// One effect with its values.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Entry {
+    /// The effect.
+    pub effect: &'static Effect,
+    /// Fitted values, in the order of the effect's parameters.
+    pub values: Vec<f64>,
+}
+
+/// Effects on top of the nominal machine; none is the nominal machine itself.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Hypothesis {
+    /// In the order they came.
+    pub entries: Vec<Entry>,
+}
+
+impl Hypothesis {
+    /// The machine.
+    pub fn physics(&self, nominal: &Physics) -> Physics {
+        let mut physics = nominal.clone();
+        for entry in &self.entries {
+            (entry.effect.put)(&mut physics, &entry.values);
+        }
+        physics
+    }
+
+    /// With one effect more.
+    pub fn with(&self, effect: &'static Effect, values: Vec<f64>) -> Self {
+        let mut entries = self.entries.clone();
+        entries.push(Entry { effect, values });
+        Self { entries }
+    }
+
+    /// Without the effect at `index`.
+    pub fn without(&self, index: usize) -> Self {
+        let mut entries = self.entries.clone();
+        entries.remove(index);
+        Self { entries }
+    }
+
+    /// Places of the free numbers: entry, index of its value.
+    pub fn free(&self) -> Vec<(usize, usize)> {
+        let of = |(at, entry): (usize, &Entry)| {
+            let free = (0..entry.values.len()).filter(|&index| entry.effect.parameter(index).free).collect::<Vec<_>>();
+            free.into_iter().map(move |index| (at, index))
+        };
+        self.entries.iter().enumerate().flat_map(of).collect()
+    }
+
+    /// Identifiers, in order.
+    pub fn ids(&self) -> Vec<&'static str> {
+        self.entries.iter().map(|entry| entry.effect.id).collect()
+    }
+}

@@ -1,0 +1,185 @@
+//! Values of a hypothesis by maximum likelihood: Levenberg-Marquardt on the linearised pass.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::evaluate::{Evaluation, Kept, evaluate, kept, noise_of};
+use super::Hypothesis;
+use crate::likelihood::Noise;
+use crate::likelihood::filter::HUBER;
+use crate::physics::Physics;
+use crate::problem::Problem;
+
+/// A hypothesis at its optimum.
+#[derive(Debug, Clone)]
+pub struct Refitted {
+    /// With the fitted values.
+    pub hypothesis: Hypothesis,
+    /// The noise that goes with it.
+    pub noise: Noise,
+    /// All recordings under both.
+    pub evaluation: Evaluation,
+    /// Log-likelihood of the recordings to fit.
+    pub log_likelihood: f64,
+}
+
+/// Fits the free values from where they are, in at most `rounds` steps.
+pub fn refit(problem: &Problem, start: &Hypothesis, noise: &Noise, rounds: usize) -> Option<Refitted> {
+    let mut best = at(problem, start.clone(), *noise)?;
+    let mut damping = 1e-3;
+    for round in 0..rounds {
+        let physics = best.hypothesis.physics(&problem.nominal);
+        let path = kept(problem, &physics, &best.noise, problem.fitted)?;
+        let Some((information, gradient)) = normal_equations(problem, &best.hypothesis, &path) else { break };
+        let before = best.log_likelihood;
+        for _ in 0..6 {
+            let Some(tried) = stepped(problem, &best.hypothesis, &information, &gradient, damping) else { break };
+            if let Some(found) = at(problem, tried, best.noise)
+                && found.log_likelihood > best.log_likelihood
+            {
+                best = found;
+                damping = (damping * 0.1).max(1e-9);
+                break;
+            }
+            damping = (damping * 10.0).max(1e-4);
+        }
+        let gained = best.log_likelihood - before;
+        let quieter = noise_of(problem, &best.hypothesis.physics(&problem.nominal), &best.noise, if round == 0 { 1.0 } else { 0.5 });
+        if quieter != best.noise {
+            best = at(problem, best.hypothesis, quieter)?;
+        }
+        if gained < 0.05 && best.log_likelihood - before < 0.5 {
+            break;
+        }
+    }
+    searched(problem, best)
+}
+
+/// The numbers that no derivative tells, each followed up and down while the likelihood rises.
+fn searched(problem: &Problem, mut best: Refitted) -> Option<Refitted> {
+    let places: Vec<(usize, usize)> = (0..best.hypothesis.entries.len())
+        .flat_map(|entry| (0..best.hypothesis.entries[entry].values.len()).map(move |index| (entry, index)))
+        .filter(|&(entry, index)| best.hypothesis.entries[entry].effect.parameter(index).searched)
+        .collect();
+    let mut octaves = if places.is_empty() { 0.0 } else { 0.5 };
+    while octaves > 0.01 {
+        let before = best.log_likelihood;
+        for &(entry, index) in &places {
+            for factor in [f64::exp2(octaves), f64::exp2(-octaves)] {
+                let mut tried = best.hypothesis.clone();
+                let parameter = tried.entries[entry].effect.parameter(index);
+                let value = &mut tried.entries[entry].values[index];
+                *value = (*value * factor).max(parameter.low).min(parameter.high);
+                if let Some(found) = at(problem, tried, best.noise)
+                    && found.log_likelihood > best.log_likelihood
+                {
+                    best = found;
+                    break;
+                }
+            }
+        }
+        if best.log_likelihood - before < 0.1 {
+            octaves *= 0.5;
+        }
+    }
+    Some(best)
+}
+
+fn at(problem: &Problem, hypothesis: Hypothesis, noise: Noise) -> Option<Refitted> {
+    let evaluation = evaluate(problem, &hypothesis.physics(&problem.nominal), &noise)?;
+    let log_likelihood = evaluation.fitted(problem);
+    Some(Refitted { hypothesis, noise, evaluation, log_likelihood })
+}
+
+/// The machine with one value moved by `by`.
+pub(crate) fn moved(nominal: &Physics, hypothesis: &Hypothesis, (entry, index): (usize, usize), by: f64) -> Physics {
+    let mut other = hypothesis.clone();
+    other.entries[entry].values[index] += by;
+    other.physics(nominal)
+}
+
+/// Scales of the free values, and bounds.
+fn ranges(problem: &Problem, hypothesis: &Hypothesis) -> Vec<crate::effects::Range> {
+    let of = |&(entry, index): &(usize, usize)| {
+        let entry = &hypothesis.entries[entry];
+        entry.effect.ranges(entry.values.len(), &problem.nominal, &problem.excitation)[index]
+    };
+    hypothesis.free().iter().map(of).collect()
+}
+
+/// Derivatives of the whitened innovations by the free values, one column a value, each of one vector a recording.
+pub(crate) fn columns(problem: &Problem, hypothesis: &Hypothesis, path: &Kept) -> Vec<Option<Vec<Vec<f64>>>> {
+    use rayon::prelude::*;
+    let places = hypothesis.free();
+    let ranges = ranges(problem, hypothesis);
+    places
+        .par_iter()
+        .zip(ranges)
+        .map(|(&place, range)| {
+            let value = hypothesis.entries[place.0].values[place.1];
+            // A hundredth of a typical change, towards the side that is allowed.
+            let step = 0.01 * range.scale;
+            let step = if value + step > range.high { -step } else { step };
+            let column = |step: f64| {
+                let mut column = path.response(problem, &moved(&problem.nominal, hypothesis, place, step))?;
+                column.iter_mut().flatten().for_each(|value| *value /= step);
+                Some(column)
+            };
+            column(step).or_else(|| column(-step))
+        })
+        .collect()
+}
+
+fn normal_equations(problem: &Problem, hypothesis: &Hypothesis, path: &Kept) -> Option<(DMatrix<f64>, DVector<f64>)> {
+    // A value that the plant lets go neither way is held where it is.
+    let still = || path.recordings.iter().map(|kept| vec![0.0; kept.innovations.whitened.len()]).collect();
+    let columns: Vec<Vec<Vec<f64>>> =
+        columns(problem, hypothesis, path).into_iter().map(|column| column.unwrap_or_else(still)).collect();
+    let many = columns.len();
+    if many == 0 {
+        return None;
+    }
+    let (mut information, mut gradient) = (DMatrix::zeros(many, many), DVector::zeros(many));
+    for (index, kept) in path.recordings.iter().enumerate() {
+        for (row, &whitened) in kept.innovations.whitened.iter().enumerate() {
+            if !kept.innovations.counted[row] {
+                continue;
+            }
+            let weight = (HUBER / whitened.abs()).min(1.0);
+            for i in 0..many {
+                let a = weight * columns[i][index][row];
+                gradient[i] -= a * whitened;
+                for j in 0..=i {
+                    information[(i, j)] += a * columns[j][index][row];
+                }
+            }
+        }
+    }
+    for i in 0..many {
+        for j in 0..i {
+            information[(j, i)] = information[(i, j)];
+        }
+    }
+    information.iter().all(|value: &f64| value.is_finite()).then_some((information, gradient))
+}
+
+fn stepped(
+    problem: &Problem,
+    hypothesis: &Hypothesis,
+    information: &DMatrix<f64>,
+    gradient: &DVector<f64>,
+    damping: f64,
+) -> Option<Hypothesis> {
+    let ranges = ranges(problem, hypothesis);
+    let mut damped = information.clone();
+    for (i, range) in ranges.iter().enumerate() {
+        // A value that nothing tells is held by a prior of ten typical changes.
+        damped[(i, i)] += damping * information[(i, i)] + 0.01 / (range.scale * range.scale);
+    }
+    let step = damped.cholesky()?.solve(gradient);
+    let mut next = hypothesis.clone();
+    for ((&(entry, index), range), step) in hypothesis.free().iter().zip(&ranges).zip(step.iter()) {
+        let value = &mut next.entries[entry].values[index];
+        *value = (*value + step).max(range.low).min(range.high);
+    }
+    next.entries.iter().all(|entry| entry.values.iter().all(|value| value.is_finite())).then_some(next)
+}

@@ -1,0 +1,94 @@
+//! The recordings, prepared once: grids of substeps, blocks, what the motion excites.
+
+use std::ops::Range;
+
+use crate::effects::Excitation;
+use crate::likelihood::Grid;
+use crate::physics::Physics;
+use crate::recorded::Recorded;
+
+/// Recordings to fit and to hold out, with the nominal machine.
+#[derive(Debug)]
+pub struct Problem {
+    /// The machine without anything missing.
+    pub nominal: Physics,
+    /// Those to fit, then those held out.
+    pub recordings: Vec<Recorded>,
+    /// Number of those to fit.
+    pub fitted: usize,
+    /// Substeps of each recording.
+    pub grids: Vec<Grid>,
+    /// Row ranges of the blocks of each recording.
+    pub blocks: Vec<Vec<Range<usize>>>,
+    /// What the motion excites.
+    pub excitation: Excitation,
+    /// The sensor's smallest noise, rad (m): that of its steps.
+    pub least_sensor_sd: f64,
+    /// Rows on which the noise is estimated, with their recording: three numbers need no more.
+    pub excerpt: Vec<(usize, Range<usize>)>,
+}
+
+/// Rows of a recording that the noise is estimated on: three numbers to some percent ...
+const EXCERPT_ROWS: usize = 4000;
+/// ... in this many stretches, spread evenly, so that motion of every kind is in them.
+const STRETCHES: usize = 8;
+
+/// Length of a block, s: several times the memory of drive, fluid and noise, and many to a recording.
+const BLOCK_S: f64 = 0.25;
+
+impl Problem {
+    /// Prepares recordings; `resolution` is the sensor's step, rad (m).
+    pub fn new(nominal: Physics, recordings: Vec<Recorded>, fitted: usize, resolution: f64, linear: bool) -> Self {
+        let grids = recordings.iter().map(Grid::new).collect();
+        let blocks = recordings.iter().map(blocks).collect();
+        let excerpt = recordings[..fitted].iter().enumerate().flat_map(|(index, recorded)| stretches(index, recorded.rows())).collect();
+        let excitation = excitation(&recordings, fitted, linear);
+        // Steps of a uniform quantiser; without any, what double precision keeps of the travel.
+        let least_sensor_sd = (resolution / 12.0_f64.sqrt()).max(1e-9 * excitation.travel).max(f64::MIN_POSITIVE.sqrt());
+        Self { nominal, recordings, fitted, grids, blocks, excitation, least_sensor_sd, excerpt }
+    }
+}
+
+fn stretches(index: usize, rows: usize) -> Vec<(usize, Range<usize>)> {
+    if rows <= 2 * EXCERPT_ROWS {
+        return vec![(index, 0..rows)];
+    }
+    let (share, length) = (rows / STRETCHES, EXCERPT_ROWS / STRETCHES);
+    (0..STRETCHES).map(|stretch| (index, stretch * share + (share - length) / 2..stretch * share + (share + length) / 2)).collect()
+}
+
+fn blocks(recorded: &Recorded) -> Vec<Range<usize>> {
+    let rows = recorded.rows();
+    let per_block = ((BLOCK_S / recorded.period_s().max(f64::MIN_POSITIVE)).round() as usize).clamp(8, rows.max(8));
+    let count = (rows / per_block).max(1);
+    (0..count).map(|block| block * per_block..if block + 1 == count { rows } else { (block + 1) * per_block }).collect()
+}
+
+fn excitation(recordings: &[Recorded], fitted: usize, linear: bool) -> Excitation {
+    let mut excitation = Excitation { recordings: recordings.len(), linear, ..Excitation::default() };
+    let (mut squares, mut rows) = (0.0, 0);
+    for recorded in &recordings[..fitted] {
+        for command in &recorded.commands {
+            squares += command.torque * command.torque;
+            excitation.torque_peak = excitation.torque_peak.max(command.torque.abs());
+            excitation.field_peak = excitation.field_peak.max(command.field_kv_mm);
+        }
+        rows += recorded.rows();
+        let (low, high) = recorded.position.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), p| (low.min(*p), high.max(*p)));
+        excitation.travel = excitation.travel.max(high - low);
+        excitation.speed_peak = excitation.speed_peak.max(speed_peak(recorded));
+        excitation.duration_s = excitation.duration_s.max(recorded.duration_s());
+        excitation.period_s = excitation.period_s.max(recorded.period_s());
+    }
+    excitation.torque_rms = (squares / f64::from(rows.max(1) as u32)).sqrt();
+    excitation
+}
+
+/// Largest speed over 20 ms or eight rows, whichever is longer, rad/s (m/s): steps of the sensor are no speed.
+fn speed_peak(recorded: &Recorded) -> f64 {
+    let apart = ((0.02 / recorded.period_s().max(f64::MIN_POSITIVE)).ceil() as usize).clamp(8, recorded.rows().max(9) - 1);
+    let speeds = (apart..recorded.rows()).map(|row| {
+        ((recorded.position[row] - recorded.position[row - apart]) / (recorded.t_s[row] - recorded.t_s[row - apart])).abs()
+    });
+    speeds.fold(0.0, f64::max)
+}

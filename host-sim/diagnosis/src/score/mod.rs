@@ -1,0 +1,168 @@
+//! Every candidate at once: columns of one regression with the whitened residual on the left.
+
+mod seek;
+
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+
+use crate::effects::{Columns, Effect, Excitation};
+use crate::hypothesis::{Entry, Hypothesis, Kept, columns, evaluate};
+use crate::likelihood::filter::HUBER;
+use crate::problem::Problem;
+
+use seek::seek;
+
+/// A start of an effect with what it promises.
+#[derive(Debug, Clone)]
+pub struct Candidate {
+    /// The effect at start values that the regression has set.
+    pub entry: Entry,
+    /// The start itself.
+    pub from: Vec<f64>,
+    /// Log-likelihood it brings in the linear model, on the recordings to fit.
+    pub gain: f64,
+}
+
+/// Scores every start of every effect beside `hypothesis`, along its own pass; best first.
+pub(crate) fn score(problem: &Problem, hypothesis: &Hypothesis, path: &Kept, vocabulary: &[&'static Effect]) -> Vec<Candidate> {
+    let own: Vec<Vec<Vec<f64>>> = columns(problem, hypothesis, path).into_iter().flatten().collect();
+    let base = Base::new(path, own);
+    let excitation = seek(problem, path);
+    let physics = &path.physics;
+    let starts: Vec<(&'static Effect, Vec<f64>)> = vocabulary
+        .iter()
+        .filter(|effect| (effect.applies)(&problem.nominal, &excitation))
+        .filter(|effect| effect.repeats || hypothesis.entries.iter().all(|entry| entry.effect != **effect))
+        .flat_map(|effect| (effect.starts)(physics, &excitation).into_iter().map(|values| (*effect, values)))
+        .collect();
+    let mut all: Vec<Candidate> = starts
+        .into_par_iter()
+        .filter_map(|(effect, values)| candidate(problem, hypothesis, path, &base, &excitation, effect, values))
+        .collect();
+    all.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+    all
+}
+
+/// The residual, its weights, and the columns of the hypothesis itself.
+struct Base {
+    residual: Vec<f64>,
+    weight: Vec<f64>,
+    own: Vec<Vec<f64>>,
+    /// Of the own columns.
+    information: DMatrix<f64>,
+    gradient: DVector<f64>,
+}
+
+impl Base {
+    fn new(path: &Kept, own: Vec<Vec<Vec<f64>>>) -> Self {
+        let of = |take: &dyn Fn(f64, bool) -> f64| -> Vec<f64> {
+            let rows = path.recordings.iter().flat_map(|kept| kept.innovations.whitened.iter().zip(&kept.innovations.counted));
+            rows.map(|(whitened, counted)| take(*whitened, *counted)).collect()
+        };
+        let residual = of(&|whitened, _| whitened);
+        let weight = of(&|whitened, counted| if counted { (HUBER / whitened.abs()).min(1.0) } else { 0.0 });
+        let own: Vec<Vec<f64>> = own.into_iter().map(|column| column.concat()).collect();
+        let many = own.len();
+        let mut base = Self { residual, weight, own, information: DMatrix::zeros(many, many), gradient: DVector::zeros(many) };
+        for i in 0..many {
+            base.gradient[i] = -base.dot(&base.own[i], &base.residual);
+            for j in 0..=i {
+                let product = base.dot(&base.own[i], &base.own[j]);
+                (base.information[(i, j)], base.information[(j, i)]) = (product, product);
+            }
+        }
+        base
+    }
+
+    fn dot(&self, one: &[f64], other: &[f64]) -> f64 {
+        self.weight.iter().zip(one).zip(other).map(|((weight, one), other)| weight * one * other).sum()
+    }
+
+    /// Coefficients of new columns beside the own ones, and the log-likelihood they bring beyond what the own ones still can.
+    fn regress(&self, new: &[Vec<f64>]) -> Option<(Vec<f64>, f64)> {
+        let (many, more) = (self.own.len(), new.len());
+        let mut cross = DMatrix::zeros(many, more);
+        let mut inside = DMatrix::zeros(more, more);
+        let mut gradient = DVector::zeros(more);
+        for (i, column) in new.iter().enumerate() {
+            gradient[i] = -self.dot(column, &self.residual);
+            for (j, own) in self.own.iter().enumerate() {
+                cross[(j, i)] = self.dot(own, column);
+            }
+            for j in 0..=i {
+                let product = self.dot(column, &new[j]);
+                (inside[(i, j)], inside[(j, i)]) = (product, product);
+            }
+        }
+        let before: Vec<f64> = (0..more).map(|i| inside[(i, i)]).collect();
+        if many > 0 {
+            let mut own = self.information.clone();
+            for i in 0..many {
+                own[(i, i)] *= 1.0 + 1e-9;
+            }
+            let own = own.cholesky()?;
+            gradient -= cross.transpose() * own.solve(&self.gradient);
+            inside -= cross.transpose() * own.solve(&cross);
+        }
+        // A column of which the own ones leave less than this is one of them.
+        for i in 0..more {
+            if inside[(i, i)] <= 1e-6 * before[i] {
+                return None;
+            }
+            inside[(i, i)] *= 1.0 + 1e-9;
+        }
+        let coefficients = inside.cholesky()?.solve(&gradient);
+        let gain = 0.5 * coefficients.dot(&gradient);
+        gain.is_finite().then(|| (coefficients.iter().copied().collect(), gain))
+    }
+}
+
+fn candidate(
+    problem: &Problem,
+    hypothesis: &Hypothesis,
+    path: &Kept,
+    base: &Base,
+    excitation: &Excitation,
+    effect: &'static Effect,
+    values: Vec<f64>,
+) -> Option<Candidate> {
+    if effect.parameter(0).searched {
+        let other = hypothesis.with(effect, values.clone());
+        let found = evaluate(problem, &other.physics(&problem.nominal), &path.noise)?.fitted(problem);
+        let from = values.clone();
+        return Some(Candidate { entry: Entry { effect, values }, from, gain: found - path.log_likelihood() });
+    }
+    let response = |values: &[f64]| {
+        let other = hypothesis.with(effect, values.to_vec()).physics(&problem.nominal);
+        let column = path.response(problem, &other)?.concat();
+        column.iter().any(|value| *value != 0.0).then_some(column)
+    };
+    match effect.columns {
+        Columns::Whole => {
+            let (coefficients, gain) = base.regress(&[response(&values)?])?;
+            // Towards less than nothing is no such effect; how far its step reaches only a refit can tell.
+            (coefficients[0] > 0.0).then(|| Candidate { from: values.clone(), entry: Entry { effect, values }, gain })
+        }
+        Columns::Each => {
+            let ranges = effect.ranges(values.len(), &problem.nominal, excitation);
+            let free = (0..values.len()).filter(|&index| effect.parameter(index).free);
+            let (mut places, mut new) = (Vec::new(), Vec::new());
+            for index in free {
+                let mut tried = values.clone();
+                tried[index] += ranges[index].scale;
+                if let Some(column) = response(&tried) {
+                    places.push(index);
+                    new.push(column);
+                }
+            }
+            let (coefficients, gain) = base.regress(&new)?;
+            let from = values.clone();
+            let mut values = values;
+            for (&place, coefficient) in places.iter().zip(coefficients) {
+                let range = ranges[place];
+                values[place] = (values[place] + coefficient * range.scale).max(range.low).min(range.high);
+            }
+            Some(Candidate { entry: Entry { effect, values }, from, gain })
+        }
+    }
+}

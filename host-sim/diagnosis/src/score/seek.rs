@@ -1,0 +1,171 @@
+//! Where the missing torque has structure: orders over position, tones and pushes over time, read off the adjoint.
+
+use std::f64::consts::TAU;
+
+use plant::effects::Pulse;
+use rustfft::FftPlanner;
+use rustfft::num_complex::Complex;
+
+use crate::effects::Excitation;
+use crate::hypothesis::Kept;
+use crate::likelihood::filter::HUBER;
+use crate::physics::Tone;
+use crate::problem::Problem;
+
+/// How many of each are tried.
+const MOST: usize = 4;
+/// Highest order over a revolution that is looked at.
+const HIGHEST_ORDER: usize = 128;
+/// Lengths of pushes that are looked for, s.
+const PUSHES_S: [f64; 7] = [0.01, 0.02, 0.04, 0.08, 0.16, 0.32, 0.64];
+
+/// What the motion excites, with the orders, tones and pushes that stand out of what a pass leaves.
+pub(crate) fn seek(problem: &Problem, path: &Kept) -> Excitation {
+    let missing: Vec<Missing> = path
+        .recordings
+        .iter()
+        .enumerate()
+        .map(|(index, kept)| {
+            let grid = &problem.grids[index];
+            let fine = kept.prepared.missing_torque(&kept.path, &kept.innovations, grid);
+            // One value a row: the sum over its substeps.
+            let sum = |row: usize| fine[grid.first[row] as usize..grid.first[row + 1] as usize].iter().sum();
+            Missing {
+                torque: (0..grid.dt_s.len()).map(sum).collect(),
+                position: &kept.innovations.position,
+                t_s: &problem.recordings[index].t_s,
+            }
+        })
+        .collect();
+    let mut excitation = problem.excitation.clone();
+    excitation.orders = orders(&missing, &problem.excitation);
+    excitation.tones = tones(&missing, excitation.recordings);
+    excitation.pulses = pushes(&missing);
+    excitation.glitch = glitch(path);
+    excitation
+}
+
+/// Share and median size of samples that stand out of their neighbours on both sides.
+fn glitch(path: &Kept) -> Option<(f64, f64)> {
+    let (mut sizes, mut rows) = (Vec::new(), 0);
+    for kept in &path.recordings {
+        let found = &kept.innovations;
+        rows += found.whitened.len();
+        for row in 1..found.whitened.len().saturating_sub(1) {
+            let [before, here, behind] = [row - 1, row, row + 1].map(|row| found.whitened[row].abs());
+            if found.counted[row] && here > HUBER && before < 0.5 * here && behind < 0.5 * here {
+                sizes.push(found.innovation[row].abs());
+            }
+        }
+    }
+    let middle = sizes.len() / 2;
+    let share = sizes.len() as f64 / rows.max(1) as f64;
+    (sizes.len() > 1).then(|| (share, *sizes.select_nth_unstable_by(middle, f64::total_cmp).1))
+}
+
+struct Missing<'a> {
+    torque: Vec<f64>,
+    position: &'a [f64],
+    t_s: &'a [f64],
+}
+
+/// Orders at which the missing torque stands out of its neighbours, best first.
+fn orders(missing: &[Missing<'_>], excitation: &Excitation) -> Vec<f64> {
+    if excitation.travel <= 0.0 {
+        return Vec::new();
+    }
+    // What the travel can tell apart; whole orders where it is a revolution or more.
+    let apart = (TAU / excitation.travel).max(if excitation.linear { 0.0 } else { 1.0 });
+    let apart = if excitation.linear { apart } else { apart.min(1.0).max(1.0) };
+    let list: Vec<f64> = (2..=HIGHEST_ORDER).map(|order| order as f64 * apart).collect();
+    let power: Vec<f64> = list
+        .iter()
+        .map(|order| {
+            let (mut sine, mut cosine) = (0.0, 0.0);
+            for one in missing {
+                for (torque, position) in one.torque.iter().zip(one.position) {
+                    let (s, c) = (order * position).sin_cos();
+                    sine += torque * s;
+                    cosine += torque * c;
+                }
+            }
+            sine * sine + cosine * cosine
+        })
+        .collect();
+    peaks(&power, MOST).into_iter().map(|index| list[index]).collect()
+}
+
+/// Places of the largest local maxima over the median of their neighbourhood, best first.
+fn peaks(power: &[f64], most: usize) -> Vec<usize> {
+    const NEIGHBOURS: usize = 12;
+    let mut found: Vec<(f64, usize)> = (0..power.len())
+        .filter(|&i| power[i] > 0.0)
+        .filter(|&i| (i == 0 || power[i] >= power[i - 1]) && (i + 1 == power.len() || power[i] >= power[i + 1]))
+        .map(|i| {
+            let mut near: Vec<f64> = power[i.saturating_sub(NEIGHBOURS)..(i + NEIGHBOURS + 1).min(power.len())].to_vec();
+            let middle = near.len() / 2;
+            let median = *near.select_nth_unstable_by(middle, f64::total_cmp).1;
+            (power[i] / median.max(f64::MIN_POSITIVE), i)
+        })
+        .collect();
+    found.sort_by(|a, b| b.0.total_cmp(&a.0));
+    found.into_iter().take(most).map(|(_, index)| index).collect()
+}
+
+/// Tones of the missing torque over time, best first, without amplitudes.
+fn tones(missing: &[Missing<'_>], recordings: usize) -> Vec<Tone> {
+    let Some(longest) = missing.iter().max_by_key(|one| one.torque.len()) else { return Vec::new() };
+    let (rows, duration_s) = (longest.torque.len(), longest.t_s[longest.torque.len()] - longest.t_s[0]);
+    let length = (2 * rows).next_power_of_two();
+    let dt_s = duration_s / rows.max(1) as f64;
+    let fft = FftPlanner::new().plan_fft_forward(length);
+    let mut power = vec![0.0; length / 2];
+    for one in missing {
+        let mut even = vec![Complex::new(0.0, 0.0); length];
+        for (torque, t_s) in one.torque.iter().zip(one.t_s) {
+            let at = ((t_s - one.t_s[0]) / dt_s).round() as usize;
+            if let Some(cell) = even.get_mut(at) {
+                cell.re += torque;
+            }
+        }
+        fft.process(&mut even);
+        power.iter_mut().zip(&even).for_each(|(power, value)| *power += value.norm_sqr());
+    }
+    // Below three periods in the longest recording a tone is no tone.
+    let lowest = (3.0 * length as f64 * dt_s / duration_s).ceil() as usize;
+    let from = lowest.min(power.len());
+    let tone = |index: usize| Tone {
+        frequency_hz: (from + index) as f64 / (length as f64 * dt_s),
+        phasors: vec![(0.0, 0.0); recordings],
+    };
+    peaks(&power[from..], MOST).into_iter().map(tone).collect()
+}
+
+/// Stretches whose missing torque sums to most, for their length, best first.
+fn pushes(missing: &[Missing<'_>]) -> Vec<(usize, Pulse)> {
+    let mut found: Vec<(f64, usize, Pulse)> = Vec::new();
+    for (recording, one) in missing.iter().enumerate() {
+        let mut sums = vec![0.0];
+        for torque in &one.torque {
+            sums.push(sums[sums.len() - 1] + torque);
+        }
+        let period_s = (one.t_s[one.torque.len()] - one.t_s[0]) / one.torque.len().max(1) as f64;
+        for length_s in PUSHES_S {
+            let many = (length_s / period_s).round() as usize;
+            if many < 2 || 4 * many > one.torque.len() {
+                continue;
+            }
+            let windows: Vec<f64> = (0..=one.torque.len() - many).map(|from| sums[from + many] - sums[from]).collect();
+            let mut sizes: Vec<f64> = windows.iter().map(|sum| sum.abs()).collect();
+            let middle = sizes.len() / 2;
+            let median = *sizes.select_nth_unstable_by(middle, f64::total_cmp).1;
+            let best = (0..windows.len()).max_by(|a, b| windows[*a].abs().total_cmp(&windows[*b].abs()));
+            if let Some(from) = best {
+                let pulse = Pulse { start_s: one.t_s[from], duration_s: many as f64 * period_s, amplitude: windows[from].signum() };
+                found.push((windows[from].abs() / median.max(f64::MIN_POSITIVE), recording, pulse));
+            }
+        }
+    }
+    found.sort_by(|a, b| b.0.total_cmp(&a.0));
+    found.into_iter().take(MOST).map(|(_, recording, pulse)| (recording, pulse)).collect()
+}
