@@ -49,6 +49,18 @@ impl Problem {
     }
 }
 
+impl Problem {
+    /// Recordings on which a fit is judged: those held out, else those to fit.
+    pub fn judged(&self) -> Range<usize> {
+        if self.fitted < self.recordings.len() { self.fitted..self.recordings.len() } else { 0..self.fitted }
+    }
+
+    /// Rows of the recordings to fit.
+    pub fn fitted_rows(&self) -> usize {
+        self.recordings[..self.fitted].iter().map(Recorded::rows).sum()
+    }
+}
+
 fn stretches(index: usize, rows: usize) -> Vec<(usize, Range<usize>)> {
     if rows <= 2 * EXCERPT_ROWS {
         return vec![(index, 0..rows)];

@@ -25,5 +25,6 @@ pub static EFFECT: Effect = Effect {
     repeats: true,
     event: true,
     recording_of: |v, _| Some(v[0] as usize),
+    looked_at: |e| e.looked_at[2],
     ..PLAIN
 };

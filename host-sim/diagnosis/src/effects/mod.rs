@@ -157,6 +157,8 @@ pub struct Excitation {
     pub pulses: Vec<(usize, Pulse)>,
     /// Tones that stand out of the residual, best first.
     pub tones: Vec<Tone>,
+    /// Orders, frequencies and places in time that were looked at.
+    pub looked_at: [f64; 3],
     /// Share and size of isolated samples that stand out, if there are any.
     pub glitch: Option<(f64, f64)>,
 }
@@ -196,6 +198,8 @@ pub struct Effect {
     pub event: bool,
     /// The recording that the value at an index belongs to alone; none for what holds for all of them.
     pub recording_of: fn(&[f64], usize) -> Option<usize>,
+    /// Places that were looked at to find its starts, beside the starts themselves.
+    pub looked_at: fn(&Excitation) -> f64,
     /// It is a hypothesis that competes but is not in the vocabulary of answers.
     pub nuisance: bool,
 }
@@ -214,6 +218,7 @@ pub(crate) const PLAIN: Effect = Effect {
     repeats: false,
     event: false,
     recording_of: |_, _| None,
+    looked_at: |_| 1.0,
     nuisance: false,
 };
 

@@ -19,5 +19,6 @@ pub static EFFECT: Effect = Effect {
     report: amplitude_order_phase,
     columns: Columns::Each,
     repeats: true,
+    looked_at: |e| e.looked_at[0],
     ..PLAIN
 };

@@ -2,7 +2,6 @@
 
 use rayon::prelude::*;
 
-use super::Hypothesis;
 use crate::likelihood::filter::{Driven, Innovations, Path, Prepared};
 use crate::likelihood::{Acting, Noise};
 use crate::physics::Physics;

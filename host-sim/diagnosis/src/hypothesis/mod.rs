@@ -7,8 +7,8 @@ use crate::effects::Effect;
 use crate::physics::Physics;
 
 pub use evaluate::{Evaluation, evaluate, noise_of};
-pub(crate) use evaluate::{COLOUR_S, Kept, kept};
-pub(crate) use refit::columns;
+pub(crate) use evaluate::{COLOUR_S, Kept, driven, kept};
+pub(crate) use refit::{columns, ranges};
 pub use refit::{Refitted, refit};
 
 /// One effect with its values.

@@ -22,40 +22,62 @@ pub struct Refitted {
     pub log_likelihood: f64,
 }
 
+/// Log-likelihood below which a step has found nothing more: a hundredth of what any test asks for.
+const SETTLED: f64 = 0.05;
+
 /// Fits the free values from where they are, in at most `rounds` steps.
 pub fn refit(problem: &Problem, start: &Hypothesis, noise: &Noise, rounds: usize) -> Option<Refitted> {
     let mut best = at(problem, start.clone(), *noise)?;
     let mut damping = 1e-3;
     for round in 0..rounds {
-        let physics = best.hypothesis.physics(&problem.nominal);
-        let path = kept(problem, &physics, &best.noise, problem.fitted)?;
-        let Some((information, gradient)) = normal_equations(problem, &best.hypothesis, &path) else { break };
         let before = best.log_likelihood;
-        for _ in 0..6 {
-            let Some(tried) = stepped(problem, &best.hypothesis, &information, &gradient, damping) else { break };
-            if let Some(found) = at(problem, tried, best.noise)
-                && found.log_likelihood > best.log_likelihood
-            {
-                best = found;
-                damping = (damping * 0.1).max(1e-9);
-                break;
-            }
-            damping = (damping * 10.0).max(1e-4);
+        let path = kept(problem, &best.hypothesis.physics(&problem.nominal), &best.noise, problem.fitted)?;
+        if let Some((information, gradient)) = normal_equations(problem, &best.hypothesis, &path) {
+            best = descended(problem, best, &information, &gradient, &mut damping);
         }
+        best = searched(problem, best);
         let gained = best.log_likelihood - before;
-        let quieter = noise_of(problem, &best.hypothesis.physics(&problem.nominal), &best.noise, if round == 0 { 1.0 } else { 0.5 });
-        if quieter != best.noise {
-            best = at(problem, best.hypothesis, quieter)?;
+        let octaves = if round == 0 { 1.0 } else { 0.5 };
+        let noise = noise_of(problem, &best.hypothesis.physics(&problem.nominal), &best.noise, octaves);
+        if noise != best.noise {
+            let other = at(problem, best.hypothesis.clone(), noise)?;
+            // Estimated on an excerpt, it must hold on the whole.
+            if other.log_likelihood > best.log_likelihood {
+                best = other;
+            }
         }
-        if gained < 0.05 && best.log_likelihood - before < 0.5 {
+        if gained < SETTLED && best.log_likelihood - before < 10.0 * SETTLED {
             break;
         }
     }
-    searched(problem, best)
+    Some(best)
+}
+
+/// Steps that are tried before one that rises is given up.
+const DAMPED: usize = 6;
+
+fn descended(
+    problem: &Problem,
+    from: Refitted,
+    information: &DMatrix<f64>,
+    gradient: &DVector<f64>,
+    damping: &mut f64,
+) -> Refitted {
+    for _ in 0..DAMPED {
+        let Some(tried) = stepped(problem, &from.hypothesis, information, gradient, *damping) else { return from };
+        if let Some(found) = at(problem, tried, from.noise)
+            && found.log_likelihood > from.log_likelihood
+        {
+            *damping = (*damping * 0.1).max(1e-9);
+            return found;
+        }
+        *damping = (*damping * 10.0).max(1e-4);
+    }
+    from
 }
 
 /// The numbers that no derivative tells, each followed up and down while the likelihood rises.
-fn searched(problem: &Problem, mut best: Refitted) -> Option<Refitted> {
+fn searched(problem: &Problem, mut best: Refitted) -> Refitted {
     let places: Vec<(usize, usize)> = (0..best.hypothesis.entries.len())
         .flat_map(|entry| (0..best.hypothesis.entries[entry].values.len()).map(move |index| (entry, index)))
         .filter(|&(entry, index)| best.hypothesis.entries[entry].effect.parameter(index).searched)
@@ -77,11 +99,11 @@ fn searched(problem: &Problem, mut best: Refitted) -> Option<Refitted> {
                 }
             }
         }
-        if best.log_likelihood - before < 0.1 {
+        if best.log_likelihood - before < 2.0 * SETTLED {
             octaves *= 0.5;
         }
     }
-    Some(best)
+    best
 }
 
 fn at(problem: &Problem, hypothesis: Hypothesis, noise: Noise) -> Option<Refitted> {
@@ -98,7 +120,7 @@ pub(crate) fn moved(nominal: &Physics, hypothesis: &Hypothesis, (entry, index): 
 }
 
 /// Scales of the free values, and bounds.
-fn ranges(problem: &Problem, hypothesis: &Hypothesis) -> Vec<crate::effects::Range> {
+pub(crate) fn ranges(problem: &Problem, hypothesis: &Hypothesis) -> Vec<crate::effects::Range> {
     let of = |&(entry, index): &(usize, usize)| {
         let entry = &hypothesis.entries[entry];
         entry.effect.ranges(entry.values.len(), &problem.nominal, &problem.excitation)[index]

@@ -273,6 +273,42 @@ impl Prepared {
         }
     }
 
+    /// Recorded minus simulated position of windows of `horizon` rows, each from the state that the pass estimated at its
+    /// start, one a row behind each start; empty across skipped rows.
+    pub(crate) fn windows(&self, path: &Path, driven: Driven<'_>, horizon: usize) -> Vec<(usize, Vec<f64>)> {
+        match path {
+            Path::Three(stored) => self.simulated(stored, driven, horizon),
+            Path::Four(stored) => self.simulated(stored, driven, horizon),
+            Path::Five(stored) => self.simulated(stored, driven, horizon),
+            Path::Six(stored) => self.simulated(stored, driven, horizon),
+            Path::Seven(stored) => self.simulated(stored, driven, horizon),
+        }
+    }
+
+    fn simulated<const N: usize>(&self, stored: &Stored<N>, driven: Driven<'_>, horizon: usize) -> Vec<(usize, Vec<f64>)> {
+        let Driven { recorded, grid, acting, .. } = driven;
+        let mut windows = Vec::new();
+        let mut start = stored.rows.iter().position(|row| row.counted).unwrap_or(stored.rows.len());
+        while start + horizon < stored.rows.len() {
+            let end = start + horizon;
+            if stored.rows[start..=end].iter().all(|row| row.counted) {
+                let mut x = stored.steps[grid.first[start] as usize].from;
+                // A force that only the estimate of the noise knows is no part of the model.
+                x[COLOURED] = 0.0;
+                let mut errors = Vec::with_capacity(horizon);
+                for row in start..end {
+                    for index in grid.first[row] as usize..grid.first[row + 1] as usize {
+                        x = self.laws.mean(&x, &Substep::of(acting, index, grid.dt_s[row]), CERTAIN, CERTAIN);
+                    }
+                    errors.push(recorded.position[row + 1] - self.seen(x[POSITION]).0);
+                }
+                windows.push((start, errors));
+            }
+            start = end;
+        }
+        windows
+    }
+
     /// Sensitivity of half the squared whitened innovations to a torque in each substep, with the sign of the torque that is
     /// missing; the adjoint of the linearised pass.
     pub(crate) fn missing_torque(&self, path: &Path, innovations: &Innovations, grid: &Grid) -> Vec<f64> {
@@ -377,6 +413,9 @@ fn adjoint<const N: usize>(stored: &Stored<N>, innovations: &Innovations, grid: 
     }
     missing
 }
+
+/// Standard deviation of a state that is simulated and not estimated: none, but for the closed forms' division.
+const CERTAIN: f64 = 1e-12;
 
 /// Where a recording begins.
 struct Start {

@@ -42,6 +42,8 @@ pub(crate) fn seek(problem: &Problem, path: &Kept) -> Excitation {
     excitation.tones = tones(&missing, excitation.recordings);
     excitation.pulses = pushes(&missing);
     excitation.glitch = glitch(path);
+    let rows = missing.iter().map(|one| one.torque.len()).max().unwrap_or(0) as f64;
+    excitation.looked_at = [HIGHEST_ORDER as f64, rows, rows * PUSHES_S.len() as f64];
     excitation
 }
 

@@ -1,0 +1,59 @@
+//! Two hypotheses on the same blocks.
+
+use statrs::distribution::{ContinuousCDF, Normal};
+
+use super::information::Assessed;
+use crate::problem::Problem;
+
+/// How much better one is than another.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Comparison {
+    /// Log-likelihood by which it is better.
+    pub difference: f64,
+    /// That in standard deviations of what chance does to it.
+    pub z: f64,
+}
+
+impl Comparison {
+    /// Probability that chance alone makes it that much better.
+    pub fn p_value(&self) -> f64 {
+        Normal::standard().cdf(-self.z)
+    }
+}
+
+/// Neighbouring blocks whose differences are taken to be correlated (Newey and West 1987).
+const LAGS: usize = 2;
+
+/// Vuong's test (1989) for a motion that is given and not drawn: what the distance of the two predictions makes a block
+/// expect is no chance, the rest of the block's difference is.
+pub fn compare(problem: &Problem, better: &Assessed, other: &Assessed) -> Comparison {
+    let mut expected: Vec<Vec<f64>> = Vec::new();
+    let mut differences: Vec<Vec<f64>> = Vec::new();
+    for index in 0..problem.recordings.len() {
+        let (one, two) = (&better.refitted.evaluation.innovations[index], &other.refitted.evaluation.innovations[index]);
+        let distance = |row: usize| if one.counted[row] { 0.5 * (one.whitened[row] - two.whitened[row]).powi(2).min(64.0) } else { 0.0 };
+        expected.push(problem.blocks[index].iter().map(|block| block.clone().map(distance).sum()).collect());
+        differences.push(better.crossed[index].iter().zip(&other.crossed[index]).map(|(a, b)| a - b).collect());
+    }
+    let flat = |values: &[Vec<f64>]| values.iter().flatten().copied().collect::<Vec<f64>>();
+    let (all_expected, all) = (flat(&expected), flat(&differences));
+    let product: f64 = all_expected.iter().zip(&all).map(|(e, d)| e * d).sum();
+    let square: f64 = all_expected.iter().map(|e| e * e).sum();
+    let share = if square > 0.0 { product / square } else { 0.0 };
+    let mut variance = 0.0;
+    for (expected, differences) in expected.iter().zip(&differences) {
+        let left: Vec<f64> = expected.iter().zip(differences).map(|(e, d)| d - share * e).collect();
+        for (at, value) in left.iter().enumerate() {
+            variance += value * value;
+            for lag in 1..=LAGS.min(at) {
+                variance += 2.0 * (1.0 - lag as f64 / (LAGS + 1) as f64) * value * left[at - lag];
+            }
+        }
+    }
+    let difference: f64 = all.iter().sum();
+    // Under equal fits the difference of two predictions spreads by at least the square root of twice what it is.
+    let least = all_expected.iter().sum::<f64>() * 2.0;
+    let sd = variance.max(least).max(f64::MIN_POSITIVE).sqrt();
+    Comparison { difference, z: if difference == 0.0 { 0.0 } else { difference / sd } }
+}
+

@@ -1,0 +1,159 @@
+//! Block scores and information of a hypothesis at its optimum: cross-validation without refits, and sandwich intervals.
+
+use nalgebra::{DMatrix, DVector};
+
+use crate::hypothesis::{Refitted, columns, kept, ranges};
+use crate::likelihood::filter::HUBER;
+use crate::problem::Problem;
+
+/// A hypothesis with what its blocks say.
+#[derive(Debug, Clone)]
+pub struct Assessed {
+    /// The hypothesis at its optimum.
+    pub refitted: Refitted,
+    /// Log-likelihood of each block: of recordings to fit under the values that the other blocks give, of recordings held out
+    /// as it is.
+    pub crossed: Vec<Vec<f64>>,
+    /// Covariance of the free values, in the order of [`crate::hypothesis::Hypothesis::free`].
+    pub covariance: DMatrix<f64>,
+    /// Variances of the free values if every row were independent.
+    pub naive: Vec<f64>,
+    /// Free values that sit on a bound.
+    pub at_bound: Vec<bool>,
+}
+
+impl Assessed {
+    /// Number of free values.
+    pub fn freedom(&self) -> usize {
+        self.refitted.hypothesis.entries.iter().map(|entry| entry.effect.freedom(&entry.values)).sum()
+    }
+
+    /// Sum of the blocks.
+    pub fn total(&self) -> f64 {
+        self.crossed.iter().flatten().sum()
+    }
+
+    /// How many times more an entry's values scatter over blocks than independent rows would let them, at least 1.
+    pub fn inflation(&self, entry: usize) -> f64 {
+        let places = self.refitted.hypothesis.free();
+        let ratio = |(i, &(at, _)): (usize, &(usize, usize))| (at == entry).then(|| self.covariance[(i, i)] / self.naive[i]);
+        places.iter().enumerate().filter_map(ratio).filter(|ratio| ratio.is_finite()).fold(1.0, f64::max)
+    }
+}
+
+/// Blocks whose scores are taken to be correlated with a block's own (Newey and West 1987): half a second either way.
+const LAGS: usize = 2;
+
+/// Linearises at the optimum.
+pub fn assess(problem: &Problem, refitted: Refitted) -> Option<Assessed> {
+    let path = kept(problem, &refitted.hypothesis.physics(&problem.nominal), &refitted.noise, problem.fitted)?;
+    let still = || path.recordings.iter().map(|kept| vec![0.0; kept.innovations.whitened.len()]).collect();
+    let columns: Vec<Vec<Vec<f64>>> =
+        columns(problem, &refitted.hypothesis, &path).into_iter().map(|column| column.unwrap_or_else(still)).collect();
+    let many = columns.len();
+    let mut scores: Vec<Vec<DVector<f64>>> = Vec::new();
+    let mut parts: Vec<Vec<DMatrix<f64>>> = Vec::new();
+    for (index, kept) in path.recordings.iter().enumerate() {
+        let (mut of_scores, mut of_parts) = (Vec::new(), Vec::new());
+        for block in &problem.blocks[index] {
+            let (mut score, mut part) = (DVector::zeros(many), DMatrix::zeros(many, many));
+            for row in block.clone().filter(|&row| kept.innovations.counted[row]) {
+                let whitened = kept.innovations.whitened[row];
+                let weight = (HUBER / whitened.abs()).min(1.0);
+                for i in 0..many {
+                    let a = weight * columns[i][index][row];
+                    score[i] -= a * whitened;
+                    for j in 0..=i {
+                        part[(i, j)] += a * columns[j][index][row];
+                    }
+                }
+            }
+            part.fill_upper_triangle_with_lower_triangle();
+            of_scores.push(score);
+            of_parts.push(part);
+        }
+        scores.push(of_scores);
+        parts.push(of_parts);
+    }
+    let ranges = ranges(problem, &refitted.hypothesis);
+    let mut information: DMatrix<f64> = parts.iter().flatten().sum::<DMatrix<f64>>();
+    if many == 0 || information.nrows() == 0 {
+        information = DMatrix::zeros(many, many);
+    }
+    for (i, range) in ranges.iter().enumerate() {
+        information[(i, i)] = information[(i, i)] * (1.0 + 1e-9) + 0.01 / (range.scale * range.scale);
+    }
+    let values: Vec<f64> =
+        refitted.hypothesis.free().iter().map(|&(entry, index)| refitted.hypothesis.entries[entry].values[index]).collect();
+    let at_bound = values.iter().zip(&ranges).map(|(value, range)| *value <= range.low || *value >= range.high).collect();
+    let covariance = sandwich(&information, &scores)?;
+    let naive = information.clone().cholesky()?.inverse().diagonal().iter().copied().collect();
+    let crossed = crossed(problem, &refitted, &information, &scores, &parts);
+    Some(Assessed { refitted, crossed, covariance, naive, at_bound })
+}
+
+/// Inverse information times the spread of the block scores times inverse information; never below what the information
+/// alone says, for few blocks understate their own spread.
+fn sandwich(information: &DMatrix<f64>, scores: &[Vec<DVector<f64>>]) -> Option<DMatrix<f64>> {
+    let many = information.nrows();
+    let mut spread = DMatrix::zeros(many, many);
+    let mut blocks = 0_usize;
+    for of_recording in scores {
+        blocks += of_recording.len();
+        for (at, score) in of_recording.iter().enumerate() {
+            spread += score * score.transpose();
+            for lag in 1..=LAGS.min(at) {
+                let weight = 1.0 - lag as f64 / (LAGS + 1) as f64;
+                let cross = score * of_recording[at - lag].transpose();
+                spread += (&cross + cross.transpose()) * weight;
+            }
+        }
+    }
+    let inverse = information.clone().cholesky()?.inverse();
+    // Each estimated value takes one block's worth of freedom.
+    let few = blocks as f64 / (blocks as f64 - many as f64).max(1.0);
+    let mut covariance = &inverse * spread * &inverse * few;
+    for i in 0..many {
+        let least = inverse[(i, i)];
+        if covariance[(i, i)] < least {
+            let stretch = (least / covariance[(i, i)].max(f64::MIN_POSITIVE)).sqrt();
+            if covariance[(i, i)] > 0.0 {
+                covariance.row_mut(i).scale_mut(stretch);
+                covariance.column_mut(i).scale_mut(stretch);
+            } else {
+                covariance[(i, i)] = least;
+            }
+        }
+    }
+    Some(covariance)
+}
+
+/// Log-likelihood of each block under the values without it, to second order; held-out blocks as they are.
+fn crossed(
+    problem: &Problem,
+    refitted: &Refitted,
+    information: &DMatrix<f64>,
+    scores: &[Vec<DVector<f64>>],
+    parts: &[Vec<DMatrix<f64>>],
+) -> Vec<Vec<f64>> {
+    let mut all = refitted.evaluation.blocks.clone();
+    for (index, of_recording) in all.iter_mut().enumerate().take(problem.fitted) {
+        for (block, value) in of_recording.iter_mut().enumerate() {
+            let (score, part) = (&scores[index][block], &parts[index][block]);
+            let rest = information - part;
+            // A value that this block alone tells is not judged by leaving it out.
+            if let Some(rest) = rest.cholesky() {
+                let moved = -rest.solve(score);
+                let change = score.dot(&moved) - 0.5 * (moved.transpose() * part * &moved)[(0, 0)];
+                if change.is_finite() {
+                    *value += change.max(-MOST_LOST);
+                }
+            }
+        }
+    }
+    all
+}
+
+/// A block that tells a value alone would lose any amount without it; what it tells then counts as found once, at the price
+/// of a few values.
+const MOST_LOST: f64 = 10.0;

@@ -1,0 +1,7 @@
+//! Which hypotheses the recordings cannot tell from the best one.
+
+mod compare;
+mod information;
+
+pub use compare::{Comparison, compare};
+pub use information::{Assessed, assess};
