@@ -3,48 +3,46 @@ use std::path::Path;
 use std::time::Instant;
 use diagnosis::effects::VOCABULARY;
 use diagnosis::physics::Physics;
+use diagnosis::pipeline::diagnose;
 use diagnosis::problem::Problem;
 use diagnosis::recorded::Recorded;
-use diagnosis::search::{candidates, extend, nominal};
 use recording::{Machine, Recording};
+
+fn one(machine: &Path, fit: &[String], hold: &[String], note: &str) {
+    let machine = Machine::read(machine).unwrap();
+    let read = |names: &[String]| names.iter().map(|n| Recorded::new(&Recording::read(Path::new(n), Some(machine.axis.kind)).unwrap())).collect::<Vec<_>>();
+    let mut all = read(fit);
+    let fitted = all.len();
+    all.extend(read(hold));
+    let linear = machine.axis.kind == recording::AxisKind::Linear;
+    let t = Instant::now();
+    let problem = Problem::new(Physics::nominal(&machine, &[]), all, fitted, machine.axis.resolution, linear);
+    let n0 = diagnosis::search::first_noise(&problem); let Some(c) = diagnose(&problem, &VOCABULARY) else { println!("{note} NONE {n0:?} {:?}", diagnosis::search::nominal(&problem).map(|n| n.log_likelihood)); return };
+    let mut s = format!("{note} {:.1}s {:?}", t.elapsed().as_secs_f64(), c.verdict);
+    for e in &c.effects {
+        s += &format!(" | {} {:?}", e.effect.id, e.standing);
+        for i in &e.intervals { s += &format!(" {:.5}[{:.5},{:.5}]", i.value, i.low, i.high); }
+        s += &format!(" p={:.0e} gain={:.3} alike={:?}", e.p_value, e.gain, e.equivalent.iter().map(|e| e.id).collect::<Vec<_>>());
+    }
+    if let Some(r) = &c.remainder {
+        s += &format!(" || left {:.4} Nm:", r.torque_rms);
+        for p in &r.predictors { s += &format!(" {} {:.3} p={:.0e} {:.4}Nm", p.channel, p.share, p.p_value, p.torque_rms); }
+    }
+    s += &format!(" || rejected {:?}", c.rejected.iter().map(|(e, g)| format!("{} {g:.0}", e.id)).collect::<Vec<_>>());
+    println!("{s}");
+}
 
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let machine = Machine::read(Path::new(&arguments[0])).unwrap();
-    let mut fit = Vec::new();
-    let mut hold = Vec::new();
-    let mut held = false;
-    for name in &arguments[1..] {
-        if name == "--holdout" { held = true; continue; }
-        let r = Recording::read(Path::new(name), Some(machine.axis.kind)).unwrap();
-        if held { hold.push(Recorded::new(&r)); held = false; } else { fit.push(Recorded::new(&r)); }
-    }
-    let fitted = fit.len();
-    fit.extend(hold);
-    let physics = Physics::nominal(&machine);
-    let linear = machine.axis.kind == recording::AxisKind::Linear;
-    let problem = Problem::new(physics, fit, fitted, machine.axis.resolution, linear);
-    let t = Instant::now();
-    let mut at = nominal(&problem).unwrap();
-    println!("{:.2}s nominal ll {:.1} noise {:?}", t.elapsed().as_secs_f64(), at.log_likelihood, at.noise);
-    for _ in 0..5 {
-        let c = candidates(&problem, &at, &VOCABULARY);
-        println!("{:.2}s scored {}", t.elapsed().as_secs_f64(), c.len());
-        let mut seen = Vec::new();
-        for one in &c {
-            if seen.contains(&one.entry.effect.id) || seen.len() > 7 { continue; }
-            seen.push(one.entry.effect.id);
-            println!("    {:22} {:10.1} {:?}", one.entry.effect.id, one.gain, one.entry.values);
+    if arguments[0] == "cases" {
+        for folder in &arguments[1..] {
+            let truth = std::fs::read_to_string(Path::new(folder).join("truth.json")).unwrap();
+            let ids: Vec<String> = truth.split("\"id\": \"").skip(1).map(|s| s.split('"').next().unwrap().to_owned()).collect();
+            let f = |n: &str| format!("{folder}/{n}");
+            one(&Path::new(folder).join("machine.toml"), &[f("a.csv"), f("b.csv")], &[f("c.csv")], &format!("{folder} TRUE {ids:?}"));
         }
-        let found = extend(&problem, &at, &c, 5);
-        for one in &found {
-            let last = one.hypothesis.entries.last().unwrap();
-            println!("  {:.2}s refit {:22} +{:.1} {:?}", t.elapsed().as_secs_f64(), last.effect.id, one.log_likelihood - at.log_likelihood, last.values);
-        }
-        let Some(best) = found.into_iter().next() else { break };
-        if best.log_likelihood - at.log_likelihood < 20.0 { break; }
-        at = best;
-        println!("=> {:?} noise {:?}", at.hypothesis.entries.iter().map(|e| (e.effect.id, e.values.clone())).collect::<Vec<_>>(), at.noise);
+        return;
     }
-    println!("{:.2}s end", t.elapsed().as_secs_f64());
+    let split = arguments.iter().position(|a| a == "--holdout").unwrap_or(arguments.len());
+    one(Path::new(&arguments[0]), &arguments[1..split], arguments.get(split + 1..).unwrap_or(&[]), &arguments[0]);
 }

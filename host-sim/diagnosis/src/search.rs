@@ -23,6 +23,13 @@ pub const LEVEL_OF_A_STEP: f64 = 0.01;
 /// Smallest improvement of the windows that is worth a name (diagnosis.md: at least 3 % less held-out error).
 pub const SMALLEST_GAIN: f64 = 0.03;
 
+/// Among how many variants an effect was found, and how often chance has its start stand out.
+#[derive(Debug, Clone, Copy)]
+pub struct Odds {
+    tries: f64,
+    by_chance: f64,
+}
+
 /// A hypothesis at its optimum, with what its windows leave and how it came about.
 #[derive(Debug, Clone)]
 pub struct Step {
@@ -82,8 +89,8 @@ fn freedom(refitted: &Refitted) -> f64 {
 }
 
 /// The refits of the first few candidates, best first by likelihood with a price on each free value.
-pub fn extend(problem: &Problem, at: &Refitted, candidates: &[Candidate]) -> Vec<(Refitted, f64)> {
-    let mut starts: Vec<(Hypothesis, Hypothesis, f64)> = Vec::new();
+pub fn extend(problem: &Problem, at: &Refitted, candidates: &[Candidate]) -> Vec<(Refitted, Odds)> {
+    let mut starts: Vec<(Hypothesis, Hypothesis, Odds)> = Vec::new();
     let mut seen: Vec<&'static str> = Vec::new();
     for candidate in candidates {
         let id = candidate.entry.effect.id;
@@ -91,14 +98,14 @@ pub fn extend(problem: &Problem, at: &Refitted, candidates: &[Candidate]) -> Vec
         // A second start of an effect where it has several valleys.
         if times < 2 && (times == 0 || starts.len() < REFITTED) {
             let with = |values: &[f64]| at.hypothesis.with(candidate.entry.effect, values.to_vec());
-            starts.push((with(&candidate.entry.values), with(&candidate.from), candidate.tries));
+            starts.push((with(&candidate.entry.values), with(&candidate.from), Odds { tries: candidate.tries, by_chance: candidate.by_chance }));
         }
         seen.push(id);
         if starts.len() == 2 * REFITTED {
             break;
         }
     }
-    let short = |(start, from, tries): &(Hypothesis, Hypothesis, f64)| {
+    let short = |(start, from, tries): &(Hypothesis, Hypothesis, Odds)| {
         let found = refit(problem, start, &at.noise, 2)?;
         // A step that leads astray is taken again from where it began.
         let better = found.log_likelihood > at.log_likelihood;
@@ -106,11 +113,11 @@ pub fn extend(problem: &Problem, at: &Refitted, candidates: &[Candidate]) -> Vec
         Some((found, *tries))
     };
     let price = price(problem);
-    let rank = |found: &mut Vec<(Refitted, f64)>| {
-        let worth = |one: &(Refitted, f64)| one.0.log_likelihood - price * freedom(&one.0);
+    let rank = |found: &mut Vec<(Refitted, Odds)>| {
+        let worth = |one: &(Refitted, Odds)| one.0.log_likelihood - price * freedom(&one.0);
         found.sort_by(|a, b| worth(b).total_cmp(&worth(a)));
     };
-    let mut found: Vec<(Refitted, f64)> = starts.par_iter().filter_map(short).collect();
+    let mut found: Vec<(Refitted, Odds)> = starts.par_iter().filter_map(short).collect();
     rank(&mut found);
     let mut once: Vec<&'static str> = Vec::new();
     found.retain(|(one, _)| {
@@ -120,15 +127,15 @@ pub fn extend(problem: &Problem, at: &Refitted, candidates: &[Candidate]) -> Vec
         first
     });
     let rest = found.split_off(FOLLOWED.min(found.len()));
-    let follow = |(start, tries): &(Refitted, f64)| Some((refit(problem, &start.hypothesis, &start.noise, 10)?, *tries));
-    let mut found: Vec<(Refitted, f64)> = found.par_iter().filter_map(follow).collect();
+    let follow = |(start, tries): &(Refitted, Odds)| Some((refit(problem, &start.hypothesis, &start.noise, 10)?, *tries));
+    let mut found: Vec<(Refitted, Odds)> = found.par_iter().filter_map(follow).collect();
     found.extend(rest);
     rank(&mut found);
     found
 }
 
 /// Probability that chance alone brings `gain` to an entry, corrected for all that was tried.
-pub fn p_value(assessed: &Assessed, entry: usize, gain: f64, tries: f64) -> f64 {
+pub fn p_value(assessed: &Assessed, entry: usize, gain: f64, odds: Odds) -> f64 {
     let of = &assessed.refitted.hypothesis.entries[entry];
     let freedom = of.effect.freedom(&of.values).max(1) as f64;
     let statistic = 2.0 * gain / assessed.inflation(entry);
@@ -136,11 +143,12 @@ pub fn p_value(assessed: &Assessed, entry: usize, gain: f64, tries: f64) -> f64 
         return 1.0;
     }
     let single = ChiSquared::new(freedom).map_or(1.0, |chi| chi.sf(statistic));
-    (single * tries * crate::effects::VOCABULARY.len() as f64).min(1.0)
+    (single * odds.tries * crate::effects::VOCABULARY.len() as f64).max(odds.by_chance).min(1.0)
 }
 
 fn step(problem: &Problem, refitted: Refitted) -> Option<Step> {
     let windows = WindowFit::new(problem, &refitted)?;
+    if std::env::var("DBG").is_ok() { eprintln!("windows fine {}", assess(problem, refitted.clone()).is_some()); }
     Some(Step { assessed: assess(problem, refitted)?, windows })
 }
 
@@ -149,8 +157,8 @@ pub fn search(problem: &Problem, vocabulary: &[&'static Effect]) -> Option<Found
     let nominal = step(problem, nominal(problem)?)?;
     let mut best = nominal.clone();
     let mut evidence: Vec<(f64, f64)> = Vec::new();
-    let mut tried: Vec<f64> = Vec::new();
-    let mut trail: Vec<Vec<(Refitted, f64)>> = Vec::new();
+    let mut tried: Vec<Odds> = Vec::new();
+    let mut trail: Vec<Vec<(Refitted, Odds)>> = Vec::new();
     while best.assessed.refitted.hypothesis.entries.len() < MOST_EFFECTS {
         let at = &best.assessed.refitted;
         let found = extend(problem, at, &candidates(problem, at, vocabulary));
@@ -170,18 +178,30 @@ pub fn search(problem: &Problem, vocabulary: &[&'static Effect]) -> Option<Found
 }
 
 /// The step to a hypothesis with one entry more, if it is worth it, with p-value and gain.
-fn worth(problem: &Problem, from: &Step, to: &Refitted, tries: f64) -> Option<(Step, f64, f64)> {
+fn worth(problem: &Problem, from: &Step, to: &Refitted, odds: Odds) -> Option<(Step, f64, f64)> {
     let rise = to.log_likelihood - from.assessed.refitted.log_likelihood;
     if !(rise > price(problem)) {
         return None;
     }
     let next = step(problem, to.clone())?;
     let entry = to.hypothesis.entries.len().checked_sub(1)?;
-    let p = p_value(&next.assessed, entry, rise, tries);
-    let gain = next.windows.gain_over(&from.windows, problem);
-    let event = to.hypothesis.entries[entry].effect.event;
+    let p = p_value(&next.assessed, entry, rise, odds);
+    let gain = gain(problem, &next, from, entry);
     let crossed = next.assessed.total() > from.assessed.total();
-    (p < LEVEL_OF_A_STEP && (gain >= SMALLEST_GAIN || event) && crossed).then_some((next, p, gain))
+    let apart = next.assessed.away_from_neutral(&problem.nominal, entry);
+    (p < LEVEL_OF_A_STEP && gain >= SMALLEST_GAIN && crossed && apart).then_some((next, p, gain))
+}
+
+/// What an entry brings to the windows: those that judge, or those around an event.
+fn gain(problem: &Problem, with: &Step, without: &Step, entry: usize) -> f64 {
+    let entry = &with.assessed.refitted.hypothesis.entries[entry];
+    let span = (entry.effect.span)(&entry.values);
+    span.and_then(|(recording, from_s, to_s)| {
+        let t_s = &problem.recordings.get(recording)?.t_s;
+        let rows = t_s.partition_point(|t| *t < from_s)..t_s.partition_point(|t| *t < to_s);
+        Some(with.windows.gain_at(&without.windows, recording, &rows))
+    })
+    .unwrap_or_else(|| with.windows.gain_over(&without.windows, problem))
 }
 
 type Neighbours = (Step, Vec<(f64, f64)>, Vec<(usize, Step)>);
@@ -192,7 +212,7 @@ fn neighbourhood(
     vocabulary: &[&'static Effect],
     nominal: &Step,
     mut best: Step,
-    tried: &[f64],
+    tried: &[Odds],
 ) -> Option<Neighbours> {
     let mut tried = tried.to_vec();
     let mut at = 0;
@@ -205,11 +225,10 @@ fn neighbourhood(
         } else {
             step(problem, refit(problem, &hypothesis.without(at), &best.assessed.refitted.noise, 10)?)?
         };
-        let gain = best.windows.gain_over(&without.windows, problem);
+        let gain = gain(problem, &best, &without, at);
         let rise = best.assessed.refitted.log_likelihood - without.assessed.refitted.log_likelihood;
         let p = p_value(&best.assessed, at, rise, tried[at]);
-        let event = hypothesis.entries[at].effect.event;
-        if hypothesis.entries.len() > 1 && (p > LEVEL_OF_A_STEP || (gain < SMALLEST_GAIN && !event)) {
+        if hypothesis.entries.len() > 1 && (p > LEVEL_OF_A_STEP || gain < SMALLEST_GAIN || !best.assessed.away_from_neutral(&problem.nominal, at)) {
             best = without;
             tried.remove(at);
             rivals.clear();

@@ -10,8 +10,8 @@ use crate::problem::Problem;
 /// Root mean square of the windows of each recording, rad (m), at two horizons.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WindowFit {
-    /// One a recording: sum of squares and number of rows, at the short and the long horizon.
-    squares: Vec<[(f64, usize); 2]>,
+    /// One a recording and horizon: first row, sum of squares and number of rows of each window.
+    windows: Vec<[Vec<(usize, f64, usize)>; 2]>,
 }
 
 /// The horizons of the specification, s: within the shorter a delay shows most, within the longer a force.
@@ -24,7 +24,7 @@ impl WindowFit {
     pub fn new(problem: &Problem, refitted: &Refitted) -> Option<Self> {
         let physics = refitted.hypothesis.physics(&problem.nominal);
         let path = kept(problem, &physics, &refitted.noise, problem.recordings.len())?;
-        let squares = path
+        let windows = path
             .recordings
             .par_iter()
             .enumerate()
@@ -33,20 +33,36 @@ impl WindowFit {
                 HORIZONS_S.map(|horizon_s| {
                     let rows = ((horizon_s / period_s).round() as usize).max(LEAST_ROWS);
                     let windows = kept.prepared.windows(&kept.path, driven(problem, index, &kept.acting), rows);
-                    let errors = windows.iter().flat_map(|(_, errors)| errors);
-                    errors.fold((0.0, 0), |(sum, rows), error| (sum + error * error, rows + 1))
+                    let squares = |errors: &[f64]| errors.iter().map(|error| error * error).sum();
+                    windows.iter().map(|(start, errors)| (*start, squares(errors), errors.len())).collect()
                 })
             })
             .collect();
-        Some(Self { squares })
+        Some(Self { windows })
     }
 
     /// Root mean square over recordings, rad (m); 0 without a window.
     pub fn rms(&self, recordings: Range<usize>, horizon: usize) -> f64 {
-        let (sum, rows) = self.squares[recordings]
-            .iter()
-            .fold((0.0, 0), |(sum, rows), of| (sum + of[horizon].0, rows + of[horizon].1));
+        self.rms_where(recordings, horizon, |_, _| true)
+    }
+
+    fn rms_where(&self, recordings: Range<usize>, horizon: usize, counts: impl Fn(usize, usize) -> bool) -> f64 {
+        let windows = self.windows[recordings].iter().flat_map(|of| &of[horizon]);
+        let (sum, rows) = windows
+            .filter(|(start, _, rows)| counts(*start, start + rows))
+            .fold((0.0, 0), |(sum, rows), window| (sum + window.1, rows + window.2));
         if rows == 0 { 0.0 } else { (sum / rows as f64).sqrt() }
+    }
+
+    /// The same around an event: in its recording, in windows that touch these rows.
+    pub fn gain_at(&self, other: &Self, recording: usize, rows: &Range<usize>) -> f64 {
+        let near = |start: usize, end: usize| start < rows.end && end > rows.start;
+        let fall = |horizon: usize| {
+            let of = |fit: &Self| fit.rms_where(recording..recording + 1, horizon, near);
+            let (before, after) = (of(other), of(self));
+            if before > 0.0 { 1.0 - after / before } else { 0.0 }
+        };
+        fall(0).max(fall(1))
     }
 
     /// Largest relative fall of the root mean square against another fit, over both horizons, on the recordings that judge.

@@ -2,6 +2,8 @@
 
 mod compare;
 mod information;
+mod intervals;
 
 pub use compare::{Comparison, compare};
 pub use information::{Assessed, assess};
+pub use intervals::{Interval, intervals};

@@ -2,7 +2,10 @@
 
 use plant::effects::Shaft;
 
-use super::{Effect, PLAIN, Size, free, sized};
+use super::{Effect, PLAIN, Parameter, Size, free, sized};
+
+/// Up to a quarter of the sample rate: four samples a period show it.
+const RESONANCE: Parameter = sized(Size::Rate, 1e-4, 0.25, 2.5e-3);
 
 /// The entry of the vocabulary.
 pub static EFFECT: Effect = Effect {
@@ -10,7 +13,7 @@ pub static EFFECT: Effect = Effect {
     sentence: "Part of the inertia hangs behind a gap: gear, key, spline or coupling with play.",
     parameters: &[
         sized(Size::Travel, 0.0, 0.1, 1e-3),
-        free(1.0, 500.0, 5.0),
+        RESONANCE,
         free(1e-3, 1.0, 0.02),
         free(1e-2, 5.0, 0.1),
     ],

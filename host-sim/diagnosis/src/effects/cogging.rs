@@ -1,6 +1,6 @@
 //! Torque over position: amplitude sin(order th + phase); one entry for each order.
 
-use super::{Columns, Effect, PLAIN, Size, amplitude_order_phase, fixed, harmonic, sized};
+use super::{Columns, Effect, PLAIN, Size, amplitude_order_phase, fixed, harmonic, order_sine_cosine, sized};
 
 /// The entry of the vocabulary.
 pub static EFFECT: Effect = Effect {
@@ -10,6 +10,7 @@ pub static EFFECT: Effect = Effect {
     starts: |_, e| e.orders.iter().map(|&order| vec![order, 0.0, 0.0]).collect(),
     put: |p, v| p.model.cogging.push(harmonic(v)),
     report: amplitude_order_phase,
+    fitted: order_sine_cosine,
     columns: Columns::Each,
     repeats: true,
     looked_at: |e| e.looked_at[0],

@@ -2,13 +2,16 @@
 
 use plant::effects::Shaft;
 
-use super::{Effect, PLAIN, free};
+use super::{Effect, PLAIN, Parameter, Size, free, sized};
+
+/// Up to a quarter of the sample rate: four samples a period show it.
+const RESONANCE: Parameter = sized(Size::Rate, 1e-4, 0.25, 2.5e-3);
 
 /// The entry of the vocabulary.
 pub static EFFECT: Effect = Effect {
     id: "compliance",
     sentence: "Part of the inertia hangs on a flexible shaft or coupling and resonates.",
-    parameters: &[free(1.0, 500.0, 5.0), free(1e-3, 1.0, 0.02), free(1e-2, 5.0, 0.1)],
+    parameters: &[RESONANCE, free(1e-3, 1.0, 0.02), free(1e-2, 5.0, 0.1)],
     starts: |_, _| {
         [6.0, 10.0, 15.0, 22.0, 32.0, 45.0, 65.0, 95.0, 140.0]
             .iter()

@@ -12,7 +12,7 @@ pub static EFFECT: Effect = Effect {
     sentence: "Something pushed the machine once: a hand, a collision, a snagging cable.",
     parameters: &[fixed(), free(0.0, 1e6, 0.01), free(2e-3, 1e3, 0.01), sized(Size::Torque, -1e2, 1e2, 0.05)],
     starts: |_, e| {
-        let values = |&(recording, pulse): &(usize, Pulse)| {
+        let values = |&(recording, pulse, _): &(usize, Pulse, f64)| {
             vec![recording as f64, pulse.start_s, pulse.duration_s, pulse.amplitude]
         };
         e.pulses.iter().map(values).collect()
@@ -22,9 +22,15 @@ pub static EFFECT: Effect = Effect {
         p.pushes.push(Push { recording: v[0] as usize, pulse });
     },
     report: |v| v[1..].to_vec(),
+    fitted: |v, recording| Some([&[recording? as f64], v].concat()),
     repeats: true,
-    event: true,
+    span: |v| Some((v[0] as usize, v[1], v[1] + v[2])),
     recording_of: |v, _| Some(v[0] as usize),
     looked_at: |e| e.looked_at[2],
+    by_chance: |e, v| {
+        let same = |(recording, pulse, _): &&(usize, Pulse, f64)| *recording == v[0] as usize && pulse.start_s == v[1];
+        e.pulses.iter().find(same).map_or(1.0, |(_, _, chance)| *chance)
+    },
+    leading: 2,
     ..PLAIN
 };

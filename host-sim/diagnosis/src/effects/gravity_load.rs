@@ -13,6 +13,7 @@ pub static EFFECT: Effect = Effect {
     starts: |_, _| vec![vec![0.0, 0.0]],
     put: |p, v| p.model.gravity = Some(Gravity { amplitude: v[0].hypot(v[1]), phase_rad: v[1].atan2(v[0]) }),
     report: |v| vec![v[0].hypot(v[1]), v[1].atan2(v[0])],
+    fitted: |v, _| Some(vec![v[0] * v[1].cos(), v[0] * v[1].sin()]),
     columns: Columns::Each,
     ..PLAIN
 };

@@ -5,6 +5,7 @@
 
 mod backlash;
 mod cogging;
+mod channel_skew;
 mod compliance;
 mod coulomb_friction;
 mod disturbance_pulse;
@@ -28,6 +29,7 @@ mod spring_load;
 mod stribeck_friction;
 mod torque_deadband;
 mod torque_delay;
+mod torque_filter;
 mod torque_gain;
 mod torque_lag;
 mod torque_offset;
@@ -79,6 +81,8 @@ pub enum Size {
     Inertia,
     /// The travel.
     Travel,
+    /// One over the sample period.
+    Rate,
 }
 
 impl Size {
@@ -95,6 +99,7 @@ impl Size {
             Self::Speed => speed,
             Self::Inertia => physics.model.inertia,
             Self::Travel => travel,
+            Self::Rate => excitation.period_s.max(1e-6).recip(),
         }
     }
 }
@@ -153,8 +158,8 @@ pub struct Excitation {
     pub linear: bool,
     /// Orders over position that stand out of the residual, best first.
     pub orders: Vec<f64>,
-    /// Pushes that stand out of the residual, each with its recording.
-    pub pulses: Vec<(usize, Pulse)>,
+    /// Pushes that stand out of the residual, each with its recording and how often chance has one stand out as far.
+    pub pulses: Vec<(usize, Pulse, f64)>,
     /// Tones that stand out of the residual, best first.
     pub tones: Vec<Tone>,
     /// Orders, frequencies and places in time that were looked at.
@@ -188,18 +193,26 @@ pub struct Effect {
     pub put: fn(&mut Physics, &[f64]),
     /// From fitted to reported values.
     pub report: fn(&[f64]) -> Vec<f64>,
-    /// The first reported value of the machine without it.
+    /// From reported to fitted values, for an entry of a machine file in a recording; none for what is no part of a model.
+    pub fitted: fn(&[f64], Option<usize>) -> Option<Vec<f64>>,
+    /// The reported value at `leading` of the machine without it.
     pub neutral: fn(&Physics) -> f64,
+    /// Index of the reported value that says how strong it is.
+    pub leading: usize,
     /// How its columns are made.
     pub columns: Columns,
     /// It may stand in a hypothesis more than once.
     pub repeats: bool,
-    /// It happens once, in one recording: nothing elsewhere can predict it.
-    pub event: bool,
+    /// Recording, start and end, s, of what happens once: nothing elsewhere can predict it. None for what holds always.
+    pub span: fn(&[f64]) -> Option<(usize, f64, f64)>,
     /// The recording that the value at an index belongs to alone; none for what holds for all of them.
     pub recording_of: fn(&[f64], usize) -> Option<usize>,
     /// Places that were looked at to find its starts, beside the starts themselves.
     pub looked_at: fn(&Excitation) -> f64,
+    /// Probability that chance alone has this start stand out as it does, where that is known apart from the likelihood.
+    pub by_chance: fn(&Excitation, &[f64]) -> f64,
+    /// Effects that no motion of a machine without a fluid tells from it.
+    pub alike: &'static [&'static str],
     /// It is a hypothesis that competes but is not in the vocabulary of answers.
     pub nuisance: bool,
 }
@@ -213,12 +226,16 @@ pub(crate) const PLAIN: Effect = Effect {
     starts: |_, _| Vec::new(),
     put: |_, _| {},
     report: <[f64]>::to_vec,
+    fitted: |v, _| Some(v.to_vec()),
     neutral: |_| 0.0,
+    leading: 0,
     columns: Columns::Whole,
     repeats: false,
-    event: false,
+    span: |_| None,
     recording_of: |_, _| None,
     looked_at: |_| 1.0,
+    by_chance: |_, _| 0.0,
+    alike: &[],
     nuisance: false,
 };
 
@@ -256,9 +273,20 @@ impl Effect {
     }
 }
 
+/// Values order, sine, cosine of amplitude, order, phase.
+pub(crate) fn order_sine_cosine(reported: &[f64], _: Option<usize>) -> Option<Vec<f64>> {
+    let &[amplitude, order, phase_rad] = reported else { return None };
+    Some(vec![order, amplitude * phase_rad.cos(), amplitude * phase_rad.sin()])
+}
+
 /// A machine whose damper is driven in these recordings.
 pub(crate) fn with_field(physics: &Physics, excitation: &Excitation) -> bool {
     physics.model.er.is_some() && excitation.field_peak > 0.0
+}
+
+/// A machine whose model has no drive between the torque column and the rotor: that column may be a measurement.
+pub(crate) fn measured(physics: &Physics, _: &Excitation) -> bool {
+    physics.model.torque_delay_s == 0.0 && physics.model.er.is_none()
 }
 
 /// The sine of values order, sine, cosine.
@@ -281,7 +309,9 @@ pub(crate) fn amplitude_order_phase(values: &[f64]) -> Vec<f64> {
 }
 
 /// The whole vocabulary, in the order of the specification; `controller` is not fitted but replayed.
-pub static VOCABULARY: [&Effect; 33] = [
+pub static VOCABULARY: [&Effect; 35] = [
+    &channel_skew::EFFECT,
+    &torque_filter::EFFECT,
     &field_dead_time::EFFECT,
     &field_lag::EFFECT,
     &field_lag_asymmetry::EFFECT,

@@ -1,6 +1,6 @@
 //! The measured position is th + amplitude sin(order th + phase).
 
-use super::{Columns, Effect, PLAIN, Size, amplitude_order_phase, fixed, harmonic, sized};
+use super::{Columns, Effect, PLAIN, Size, amplitude_order_phase, fixed, harmonic, order_sine_cosine, sized};
 
 /// The entry of the vocabulary. A sensor that errs by more than a fiftieth of the travel is broken, and its slope is none of
 /// a small correction any more.
@@ -17,6 +17,7 @@ pub static EFFECT: Effect = Effect {
     },
     put: |p, v| p.model.sensor.eccentricity.push(harmonic(v)),
     report: amplitude_order_phase,
+    fitted: order_sine_cosine,
     columns: Columns::Each,
     repeats: true,
     looked_at: |e| e.looked_at[0],

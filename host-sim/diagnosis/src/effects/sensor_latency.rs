@@ -9,5 +9,6 @@ pub static EFFECT: Effect = Effect {
     parameters: &[free(-0.05, 0.05, 1e-3)],
     starts: |_, _| [-5e-3, -2e-3, -0.7e-3, 0.7e-3, 2e-3, 5e-3].iter().map(|&v| vec![v]).collect(),
     put: |p, v| p.model.sensor.latency_s = v[0],
+    alike: &["torque_delay", "channel_skew"],
     ..PLAIN
 };

@@ -17,5 +17,6 @@ pub static EFFECT: Effect = Effect {
     },
     put: |p, v| p.model.torque_delay_s = v[0],
     neutral: |p| p.model.torque_delay_s,
+    alike: &["sensor_latency", "channel_skew"],
     ..PLAIN
 };

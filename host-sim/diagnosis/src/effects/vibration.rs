@@ -26,8 +26,11 @@ pub static EFFECT: Effect = Effect {
         let power: f64 = v[1..].iter().map(|x| x * x).sum();
         vec![v[0], (power / (v.len() - 1) as f64 * 2.0).sqrt()]
     },
+    // Its phase differs from recording to recording and is no part of a model.
+    fitted: |_, _| None,
     columns: Columns::Each,
     recording_of: |_, index| index.checked_sub(1).map(|index| index / 2),
     looked_at: |e| e.looked_at[1],
+    leading: 1,
     ..PLAIN
 };

@@ -20,6 +20,8 @@ pub struct Predictor {
 
 /// Bins of a channel: enough for a friction curve, each with hundreds of rows in a recording of a few seconds.
 const BINS: usize = 16;
+/// Rows over which a command changes.
+const RATE_ROWS: usize = 5;
 /// Folds of the cross-validation.
 const FOLDS: usize = 5;
 
@@ -50,19 +52,20 @@ fn channels(problem: &Problem, path: &crate::hypothesis::Kept) -> Vec<Channel> {
     let of = |value: &dyn Fn(usize, usize) -> f64| -> Vec<Vec<f64>> {
         (0..path.recordings.len()).map(|index| (0..problem.recordings[index].rows()).map(|row| value(index, row)).collect()).collect()
     };
-    let commands = |index: usize, row: usize| problem.recordings[index].commands[row];
+    // A command is made of the very sample that the innovation holds: only what was there before may predict.
+    let commands = |index: usize, row: usize| problem.recordings[index].commands[row.saturating_sub(1)];
     let innovations = |index: usize| &path.recordings[index].innovations;
     let mut all: Vec<Channel> = vec![
-        ("speed", of(&|index, row| innovations(index).speed[row])),
+        ("speed", of(&|index, row| innovations(index).speed[row.saturating_sub(1)])),
         ("position", of(&|index, row| innovations(index).position[row])),
         ("torque", of(&|index, row| commands(index, row).torque)),
-        ("torque_rate", of(&|index, row| commands(index, row).torque - commands(index, row.saturating_sub(5)).torque)),
+        ("torque_rate", of(&|index, row| commands(index, row).torque - commands(index, row.saturating_sub(RATE_ROWS)).torque)),
         ("time", of(&|index, row| problem.recordings[index].t_s[row])),
         ("own_past", of(&|index, row| (1..=8).map(|lag| if row >= lag { innovations(index).whitened[row - lag] } else { 0.0 }).sum())),
     ];
     if problem.excitation.field_peak > 0.0 {
         all.push(("field", of(&|index, row| commands(index, row).field_kv_mm)));
-        all.push(("field_rate", of(&|index, row| commands(index, row).field_kv_mm - commands(index, row.saturating_sub(5)).field_kv_mm)));
+        all.push(("field_rate", of(&|index, row| commands(index, row).field_kv_mm - commands(index, row.saturating_sub(RATE_ROWS)).field_kv_mm)));
     }
     all
 }

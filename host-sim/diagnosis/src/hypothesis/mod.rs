@@ -60,6 +60,15 @@ impl Hypothesis {
         self.entries.iter().enumerate().flat_map(of).collect()
     }
 
+    /// For each free number the recording that it belongs to alone.
+    pub fn alone(&self) -> Vec<Option<usize>> {
+        let of = |(entry, index): (usize, usize)| {
+            let entry = &self.entries[entry];
+            (entry.effect.recording_of)(&entry.values, index)
+        };
+        self.free().into_iter().map(of).collect()
+    }
+
     /// Identifiers, in order.
     pub fn ids(&self) -> Vec<&'static str> {
         self.entries.iter().map(|entry| entry.effect.id).collect()

@@ -31,7 +31,9 @@ pub fn refit(problem: &Problem, start: &Hypothesis, noise: &Noise, rounds: usize
     let mut damping = 1e-3;
     for round in 0..rounds {
         let before = best.log_likelihood;
-        let path = kept(problem, &best.hypothesis.physics(&problem.nominal), &best.noise, problem.fitted)?;
+        let beyond = best.hypothesis.alone().iter().any(|of| of.is_some_and(|of| of >= problem.fitted));
+        let many = if beyond { problem.recordings.len() } else { problem.fitted };
+        let path = kept(problem, &best.hypothesis.physics(&problem.nominal), &best.noise, many)?;
         if let Some((information, gradient)) = normal_equations(problem, &best.hypothesis, &path) {
             best = descended(problem, best, &information, &gradient, &mut damping);
         }
@@ -161,16 +163,19 @@ fn normal_equations(problem: &Problem, hypothesis: &Hypothesis, path: &Kept) -> 
         return None;
     }
     let (mut information, mut gradient) = (DMatrix::zeros(many, many), DVector::zeros(many));
+    let alone = hypothesis.alone();
     for (index, kept) in path.recordings.iter().enumerate() {
+        // What is held out tells nothing but the values that belong to it alone.
+        let told: Vec<bool> = alone.iter().map(|of| index < problem.fitted || *of == Some(index)).collect();
         for (row, &whitened) in kept.innovations.whitened.iter().enumerate() {
             if !kept.innovations.counted[row] {
                 continue;
             }
             let weight = (HUBER / whitened.abs()).min(1.0);
-            for i in 0..many {
+            for i in (0..many).filter(|&i| told[i]) {
                 let a = weight * columns[i][index][row];
                 gradient[i] -= a * whitened;
-                for j in 0..=i {
+                for j in (0..=i).filter(|&j| told[j]) {
                     information[(i, j)] += a * columns[j][index][row];
                 }
             }

@@ -102,7 +102,7 @@ impl Prepared {
         let Some((share, size)) = self.glitch else {
             return (per_sd.ln() - 0.5 * loss(whitened), (HUBER / whitened.abs()).min(1.0));
         };
-        let right = (1.0 - share) * (-0.5 * whitened * whitened).exp();
+        let right = (1.0 - share) * (-0.5 * loss(whitened)).exp();
         let off = size * per_sd;
         let by = |off: f64| (-0.5 * loss(whitened - off)).exp();
         let wrong = 0.5 * share * (by(off) + by(-off));

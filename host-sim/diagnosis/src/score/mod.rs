@@ -23,6 +23,8 @@ pub struct Candidate {
     pub gain: f64,
     /// Among how many variants of this effect it was found.
     pub tries: f64,
+    /// Probability that chance alone has its start stand out, 0 where only the likelihood tells.
+    pub by_chance: f64,
 }
 
 /// Scores every start of every effect beside `hypothesis`, along its own pass; best first.
@@ -43,7 +45,10 @@ pub(crate) fn score(problem: &Problem, hypothesis: &Hypothesis, path: &Kept, voc
         .collect();
     let of = |effect: &Effect| all.iter().filter(|candidate| candidate.entry.effect == effect).count().max(1) as f64;
     let tries: Vec<f64> = all.iter().map(|one| (one.entry.effect.looked_at)(&excitation).max(of(one.entry.effect))).collect();
-    all.iter_mut().zip(tries).for_each(|(candidate, tries)| candidate.tries = tries);
+    for (candidate, tries) in all.iter_mut().zip(tries) {
+        candidate.tries = tries;
+        candidate.by_chance = (candidate.entry.effect.by_chance)(&excitation, &candidate.from);
+    }
     all.sort_by(|a, b| b.gain.total_cmp(&a.gain));
     all
 }
@@ -135,7 +140,7 @@ fn candidate(
         let other = hypothesis.with(effect, values.clone());
         let found = evaluate(problem, &other.physics(&problem.nominal), &path.noise)?.fitted(problem);
         let from = values.clone();
-        return Some(Candidate { entry: Entry { effect, values }, from, gain: found - path.log_likelihood(), tries: 1.0 });
+        return Some(Candidate { entry: Entry { effect, values }, from, gain: found - path.log_likelihood(), tries: 1.0, by_chance: 0.0 });
     }
     let response = |values: &[f64]| {
         let other = hypothesis.with(effect, values.to_vec()).physics(&problem.nominal);
@@ -146,7 +151,7 @@ fn candidate(
         Columns::Whole => {
             let (coefficients, gain) = base.regress(&[response(&values)?])?;
             // Towards less than nothing is no such effect; how far its step reaches only a refit can tell.
-            (coefficients[0] > 0.0).then(|| Candidate { from: values.clone(), entry: Entry { effect, values }, gain, tries: 1.0 })
+            (coefficients[0] > 0.0).then(|| Candidate { from: values.clone(), entry: Entry { effect, values }, gain, tries: 1.0, by_chance: 0.0 })
         }
         Columns::Each => {
             let ranges = effect.ranges(values.len(), &problem.nominal, excitation);
@@ -167,7 +172,7 @@ fn candidate(
                 let range = ranges[place];
                 values[place] = (values[place] + coefficient * range.scale).max(range.low).min(range.high);
             }
-            Some(Candidate { entry: Entry { effect, values }, from, gain, tries: 1.0 })
+            Some(Candidate { entry: Entry { effect, values }, from, gain, tries: 1.0, by_chance: 0.0 })
         }
     }
 }

@@ -19,6 +19,9 @@ const HIGHEST_ORDER: usize = 128;
 /// Lengths of pushes that are looked for, s.
 const PUSHES_S: [f64; 7] = [0.01, 0.02, 0.04, 0.08, 0.16, 0.32, 0.64];
 
+/// Lengths of pushes that are told apart: each is twice the one before, and sums over half a window go along with it.
+const INDEPENDENT_LENGTHS: usize = 3;
+
 /// What the motion excites, with the orders, tones and pushes that stand out of what a pass leaves.
 pub(crate) fn seek(problem: &Problem, path: &Kept) -> Excitation {
     let missing: Vec<Missing> = path
@@ -47,6 +50,9 @@ pub(crate) fn seek(problem: &Problem, path: &Kept) -> Excitation {
     excitation
 }
 
+/// Wrong samples that make a habit and no accident.
+const FEWEST_GLITCHES: usize = 3;
+
 /// Share and median size of samples that stand out of their neighbours on both sides.
 fn glitch(path: &Kept) -> Option<(f64, f64)> {
     let (mut sizes, mut rows) = (Vec::new(), 0);
@@ -62,7 +68,7 @@ fn glitch(path: &Kept) -> Option<(f64, f64)> {
     }
     let middle = sizes.len() / 2;
     let share = sizes.len() as f64 / rows.max(1) as f64;
-    (sizes.len() > 1).then(|| (share, *sizes.select_nth_unstable_by(middle, f64::total_cmp).1))
+    (sizes.len() >= FEWEST_GLITCHES).then(|| (share, *sizes.select_nth_unstable_by(middle, f64::total_cmp).1))
 }
 
 struct Missing<'a> {
@@ -144,7 +150,7 @@ fn tones(missing: &[Missing<'_>], recordings: usize) -> Vec<Tone> {
 }
 
 /// Stretches whose missing torque sums to most, for their length, best first.
-fn pushes(missing: &[Missing<'_>]) -> Vec<(usize, Pulse)> {
+fn pushes(missing: &[Missing<'_>]) -> Vec<(usize, Pulse, f64)> {
     let mut found: Vec<(f64, usize, Pulse)> = Vec::new();
     for (recording, one) in missing.iter().enumerate() {
         let mut sums = vec![0.0];
@@ -158,16 +164,46 @@ fn pushes(missing: &[Missing<'_>]) -> Vec<(usize, Pulse)> {
                 continue;
             }
             let windows: Vec<f64> = (0..=one.torque.len() - many).map(|from| sums[from + many] - sums[from]).collect();
-            let mut sizes: Vec<f64> = windows.iter().map(|sum| sum.abs()).collect();
-            let middle = sizes.len() / 2;
-            let median = *sizes.select_nth_unstable_by(middle, f64::total_cmp).1;
-            let best = (0..windows.len()).max_by(|a, b| windows[*a].abs().total_cmp(&windows[*b].abs()));
-            if let Some(from) = best {
-                let pulse = Pulse { start_s: one.t_s[from], duration_s: many as f64 * period_s, amplitude: windows[from].signum() };
-                found.push((windows[from].abs() / median.max(f64::MIN_POSITIVE), recording, pulse));
-            }
+            let peaks = apart(&windows, many);
+            let Some(&best) = peaks.first() else { continue };
+            let duration_s = many as f64 * period_s;
+            let pulse = Pulse { start_s: one.t_s[best], duration_s, amplitude: windows[best].signum() };
+            let tried = (missing.len() * INDEPENDENT_LENGTHS) as f64;
+            found.push(((tried * by_chance(&windows, &peaks)).min(1.0), recording, pulse));
         }
     }
-    found.sort_by(|a, b| b.0.total_cmp(&a.0));
-    found.into_iter().take(MOST).map(|(_, recording, pulse)| (recording, pulse)).collect()
+    found.sort_by(|a, b| a.0.total_cmp(&b.0));
+    found.into_iter().take(MOST).map(|(chance, recording, pulse)| (recording, pulse, chance)).collect()
+}
+
+/// Places of the largest sums that are at least a window and a half apart, largest first.
+fn apart(windows: &[f64], many: usize) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..windows.len()).collect();
+    order.sort_by(|a, b| windows[*b].abs().total_cmp(&windows[*a].abs()));
+    let mut kept: Vec<usize> = Vec::new();
+    for index in order {
+        if kept.iter().all(|other| index.abs_diff(*other) > many + many / 2) {
+            kept.push(index);
+        }
+        if kept.len() == TAIL + 1 {
+            break;
+        }
+    }
+    kept
+}
+
+/// Extremes that the tail is fitted to.
+const TAIL: usize = 12;
+
+/// Probability that the largest of as many extremes is that far beyond the second: the tail of the others fitted by Hill's
+/// estimator (1975), so that a residual with heavy tails has no events for its own.
+fn by_chance(windows: &[f64], peaks: &[usize]) -> f64 {
+    if peaks.len() < TAIL + 1 {
+        return 1.0;
+    }
+    let size = |at: usize| windows[peaks[at]].abs();
+    let last = size(TAIL).max(f64::MIN_POSITIVE);
+    let logs: f64 = (1..TAIL).map(|at| (size(at) / last).ln()).sum();
+    let tail_index = (TAIL - 1) as f64 / logs.max(1e-9);
+    (size(0) / size(1).max(f64::MIN_POSITIVE)).powf(-tail_index)
 }

@@ -1,0 +1,67 @@
+//! 95 % intervals of reported values.
+
+use super::information::Assessed;
+use crate::physics::Physics;
+
+/// A value with its 95 % interval, in the effect's own unit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Interval {
+    /// Estimate.
+    pub value: f64,
+    /// Lower end.
+    pub low: f64,
+    /// Upper end.
+    pub high: f64,
+}
+
+/// Standard normal deviate of a 95 % interval.
+const TWO_SIDED_95: f64 = 1.959_964;
+
+/// Reported values of an entry with their intervals: the fitted values' covariance through the report, linearised.
+pub fn intervals(best: &Assessed, at: usize) -> Vec<Interval> {
+    let entry = &best.refitted.hypothesis.entries[at];
+    let places = best.refitted.hypothesis.free();
+    let own: Vec<(usize, usize)> =
+        places.iter().enumerate().filter(|(_, (entry, _))| *entry == at).map(|(i, (_, index))| (i, *index)).collect();
+    let values = (entry.effect.report)(&entry.values);
+    let slope = |index: usize, sd: f64| -> Vec<f64> {
+        // A tenth of a standard deviation either way: the report is smooth on that scale.
+        let by = 0.1 * sd;
+        let moved = |by: f64| {
+            let mut values = entry.values.clone();
+            values[index] += by;
+            (entry.effect.report)(&values)
+        };
+        moved(by).iter().zip(moved(-by)).map(|(up, down)| wrapped(up - down) / (2.0 * by)).collect()
+    };
+    let slopes: Vec<Vec<f64>> =
+        own.iter().map(|&(i, index)| slope(index, best.covariance[(i, i)].max(f64::MIN_POSITIVE).sqrt())).collect();
+    values
+        .iter()
+        .enumerate()
+        .map(|(k, &value)| {
+            let mut variance = 0.0;
+            for (a, &(i, _)) in own.iter().enumerate() {
+                for (b, &(j, _)) in own.iter().enumerate() {
+                    variance += slopes[a][k] * slopes[b][k] * best.covariance[(i, j)];
+                }
+            }
+            let half = TWO_SIDED_95 * variance.max(0.0).sqrt();
+            Interval { value, low: value - half, high: value + half }
+        })
+        .collect()
+}
+
+/// A phase that passes pi by a small step is no jump.
+fn wrapped(difference: f64) -> f64 {
+    if difference.abs() > std::f64::consts::PI { difference - std::f64::consts::TAU.copysign(difference) } else { difference }
+}
+
+impl Assessed {
+    /// Whether the interval of an entry's leading value leaves out what it is without the effect.
+    pub fn away_from_neutral(&self, nominal: &Physics, entry: usize) -> bool {
+        let effect = self.refitted.hypothesis.entries[entry].effect;
+        let neutral = (effect.neutral)(nominal);
+        intervals(self, entry).get(effect.leading).is_some_and(|first| !(first.low <= neutral && neutral <= first.high))
+    }
+}

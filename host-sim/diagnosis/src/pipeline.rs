@@ -1,0 +1,125 @@
+//! From recordings to the conclusion; the only place that knows every stage.
+
+use crate::confidence_set::{Interval, compare, intervals};
+use crate::effects::Effect;
+use crate::goodness::{Predictor, predictors};
+use crate::hypothesis::{Entry, Refitted};
+use crate::problem::Problem;
+use crate::search::{Found, LEVEL_OF_A_STEP, SMALLEST_GAIN, Step, search};
+use crate::verdict::{Standing, Verdict, verdict};
+
+/// One effect of the answer.
+#[derive(Debug, Clone)]
+pub struct Named {
+    /// The effect.
+    pub effect: &'static Effect,
+    /// Fitted values.
+    pub entry: Entry,
+    /// Reported values, in the order of the effect's parameters in the vocabulary.
+    pub intervals: Vec<Interval>,
+    /// What the recordings cannot tell from it, best first.
+    pub equivalent: Vec<&'static Effect>,
+    /// Whether one of those is as simple.
+    pub standing: Standing,
+    /// Probability that chance brings as much, corrected for all that was tried.
+    pub p_value: f64,
+    /// Relative fall of the windows' root mean square.
+    pub gain: f64,
+    /// Index of the recording it happens in, for events.
+    pub recording: Option<usize>,
+}
+
+/// What is left and predictable.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Remainder {
+    /// Torque that the noise model has to stand in for, root mean square, N m (N).
+    pub torque_rms: f64,
+    /// Channels that predict part of what is left, best first.
+    pub predictors: Vec<Predictor>,
+}
+
+/// The conclusion with everything it was drawn from.
+#[derive(Debug)]
+pub struct Conclusion {
+    /// The verdict.
+    pub verdict: Verdict,
+    /// Effects of the best hypothesis, by evidence.
+    pub effects: Vec<Named>,
+    /// What is left, where something predictable is.
+    pub remainder: Option<Remainder>,
+    /// The nominal machine.
+    pub nominal: Step,
+    /// The best hypothesis.
+    pub best: Step,
+    /// What was refitted and not taken, with the log-likelihood it would have brought.
+    pub rejected: Vec<(&'static Effect, f64)>,
+}
+
+/// Significance at which a rival is held to be worse, before it is corrected for the number of rivals.
+const LEVEL_OF_THE_SET: f64 = 0.05;
+
+/// Diagnoses; none where no pass over the recordings is finite.
+pub fn diagnose(problem: &Problem, vocabulary: &[&'static Effect]) -> Option<Conclusion> {
+    let found = search(problem, vocabulary)?;
+    let left = remainder(problem, &found.best.assessed.refitted);
+    let effects = named(problem, &found);
+    let standings: Vec<Standing> = effects.iter().map(|effect| effect.standing).collect();
+    let verdict = verdict(&standings, left.is_some());
+    let before = found.best.assessed.refitted.log_likelihood;
+    let rejected = found
+        .rejected
+        .iter()
+        .filter_map(|one| Some((one.hypothesis.entries.last()?.effect, one.log_likelihood - before)))
+        .collect();
+    Some(Conclusion { verdict, effects, remainder: left, nominal: found.nominal, best: found.best, rejected })
+}
+
+fn named(problem: &Problem, found: &Found) -> Vec<Named> {
+    let best = &found.best.assessed;
+    let level = LEVEL_OF_THE_SET / found.rivals.len().max(1) as f64;
+    let mut effects: Vec<Named> = Vec::new();
+    for (at, entry) in best.refitted.hypothesis.entries.iter().enumerate() {
+        let mut alike: Vec<(f64, usize, &'static Effect)> = Vec::new();
+        for (_, rival) in found.rivals.iter().filter(|(place, _)| *place == at) {
+            let comparison = compare(problem, best, &rival.assessed);
+            let Some(other) = rival.assessed.refitted.hypothesis.entries.last() else { continue };
+            if comparison.p_value() >= level && !alike.iter().any(|(_, _, effect)| *effect == other.effect) {
+                alike.push((comparison.difference, rival.assessed.freedom(), other.effect));
+            }
+        }
+        alike.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let own = best.freedom();
+        let same = |other: &Effect| problem.nominal.model.er.is_none() && entry.effect.alike.contains(&other.id);
+        let standing = match alike.iter().filter(|(_, _, other)| !same(other)).map(|(_, freedom, _)| *freedom).min() {
+            None => Standing::Certain,
+            Some(fewest) if fewest > own => Standing::CertainBySimplicity,
+            Some(_) => Standing::Contested,
+        };
+        let (p_value, gain) = found.evidence.get(at).copied().unwrap_or((1.0, 0.0));
+        effects.push(Named {
+            effect: entry.effect,
+            entry: entry.clone(),
+            intervals: intervals(best, at),
+            equivalent: alike.into_iter().map(|(_, _, effect)| effect).take(3).collect(),
+            standing,
+            p_value,
+            gain,
+            recording: (entry.effect.span)(&entry.values).map(|(recording, ..)| recording),
+        });
+    }
+    effects.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+    effects
+}
+
+/// What is left, if a channel predicts a relevant part of it.
+fn remainder(problem: &Problem, refitted: &Refitted) -> Option<Remainder> {
+    let all = predictors(problem, refitted);
+    let level = LEVEL_OF_A_STEP / all.len().max(1) as f64;
+    let predictors: Vec<Predictor> =
+        all.into_iter().filter(|one| one.p_value < level && one.share >= SMALLEST_GAIN).collect();
+    (!predictors.is_empty()).then(|| {
+        let noise = &refitted.noise;
+        let white = noise.torque_density / (2.0 * noise.colour_s);
+        Remainder { torque_rms: (noise.colour_sd * noise.colour_sd + white).sqrt(), predictors }
+    })
+}
