@@ -73,6 +73,11 @@ impl Physics {
         }
     }
 
+    /// Whether no motion of this machine tells two effects apart.
+    pub fn indistinct(&self, one: &crate::effects::Effect, other: &crate::effects::Effect) -> bool {
+        self.model.er.is_none() && one.alike.contains(&other.id)
+    }
+
     /// Whether it has states other than position and speed.
     pub fn remembers(&self) -> bool {
         self.model.presliding_stiffness.is_some()

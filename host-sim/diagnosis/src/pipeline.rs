@@ -1,7 +1,7 @@
 //! From recordings to the conclusion; the only place that knows every stage.
 
 use crate::confidence_set::{Interval, compare, intervals};
-use crate::effects::Effect;
+use crate::effects::{Effect, VOCABULARY};
 use crate::goodness::{Predictor, predictors};
 use crate::hypothesis::{Entry, Refitted};
 use crate::problem::Problem;
@@ -55,8 +55,24 @@ pub struct Conclusion {
     pub rejected: Vec<(&'static Effect, f64)>,
 }
 
+/// Most equivalents that are listed (diagnosis.md).
+const MOST_EQUIVALENTS: usize = 3;
+
+/// What no motion tells from it, then what these recordings do not.
+fn equivalent(problem: &Problem, effect: &'static Effect, alike: &[(f64, usize, &'static Effect)]) -> Vec<&'static Effect> {
+    let always = VOCABULARY.iter().copied().filter(|other| problem.nominal.indistinct(effect, other));
+    let mut all: Vec<&'static Effect> = always.collect();
+    for (_, _, other) in alike {
+        if !all.contains(other) {
+            all.push(other);
+        }
+    }
+    all.truncate(MOST_EQUIVALENTS);
+    all
+}
+
 /// Significance at which a rival is held to be worse, before it is corrected for the number of rivals.
-const LEVEL_OF_THE_SET: f64 = 0.05;
+pub const LEVEL_OF_THE_SET: f64 = 0.05;
 
 /// Diagnoses; none where no pass over the recordings is finite.
 pub fn diagnose(problem: &Problem, vocabulary: &[&'static Effect]) -> Option<Conclusion> {
@@ -82,6 +98,9 @@ fn named(problem: &Problem, found: &Found) -> Vec<Named> {
         let mut alike: Vec<(f64, usize, &'static Effect)> = Vec::new();
         for (_, rival) in found.rivals.iter().filter(|(place, _)| *place == at) {
             let comparison = compare(problem, best, &rival.assessed);
+            if std::env::var("DBG").is_ok() {
+                eprintln!("{} -> {:?}: D {:.1} z {:.2} ll {:.1}", entry.effect.id, rival.assessed.refitted.hypothesis.ids(), comparison.difference, comparison.z.max(comparison.rank_z), best.refitted.log_likelihood - rival.assessed.refitted.log_likelihood);
+            }
             let Some(other) = rival.assessed.refitted.hypothesis.entries.last() else { continue };
             if comparison.p_value() >= level && !alike.iter().any(|(_, _, effect)| *effect == other.effect) {
                 alike.push((comparison.difference, rival.assessed.freedom(), other.effect));
@@ -89,7 +108,7 @@ fn named(problem: &Problem, found: &Found) -> Vec<Named> {
         }
         alike.sort_by(|a, b| a.0.total_cmp(&b.0));
         let own = best.freedom();
-        let same = |other: &Effect| problem.nominal.model.er.is_none() && entry.effect.alike.contains(&other.id);
+        let same = |other: &Effect| problem.nominal.indistinct(entry.effect, other);
         let standing = match alike.iter().filter(|(_, _, other)| !same(other)).map(|(_, freedom, _)| *freedom).min() {
             None => Standing::Certain,
             Some(fewest) if fewest > own => Standing::CertainBySimplicity,
@@ -100,7 +119,7 @@ fn named(problem: &Problem, found: &Found) -> Vec<Named> {
             effect: entry.effect,
             entry: entry.clone(),
             intervals: intervals(best, at),
-            equivalent: alike.into_iter().map(|(_, _, effect)| effect).take(3).collect(),
+            equivalent: equivalent(problem, entry.effect, &alike),
             standing,
             p_value,
             gain,

@@ -3,10 +3,11 @@
 use rayon::prelude::*;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-use crate::confidence_set::{Assessed, assess};
+use crate::confidence_set::{Assessed, assess, compare};
 use crate::effects::Effect;
-use crate::hypothesis::{COLOUR_S, Hypothesis, Refitted, kept, noise_of, refit};
+use crate::hypothesis::{COLOUR_S, Entry, Hypothesis, Refitted, kept, noise_of, refit};
 use crate::likelihood::Noise;
+use crate::pipeline::LEVEL_OF_THE_SET;
 use crate::problem::Problem;
 use crate::score::{Candidate, score};
 use crate::windows::WindowFit;
@@ -148,37 +149,52 @@ pub fn p_value(assessed: &Assessed, entry: usize, gain: f64, odds: Odds) -> f64 
 
 fn step(problem: &Problem, refitted: Refitted) -> Option<Step> {
     let windows = WindowFit::new(problem, &refitted)?;
-    if std::env::var("DBG").is_ok() { eprintln!("windows fine {}", assess(problem, refitted.clone()).is_some()); }
     Some(Step { assessed: assess(problem, refitted)?, windows })
+}
+
+/// The hypothesis that a search begins with: the nominal machine, with what others would stand in for.
+fn first(problem: &Problem, nominal: &Step, vocabulary: &[&'static Effect]) -> Option<Step> {
+    let entries: Vec<Entry> = vocabulary
+        .iter()
+        .filter(|effect| effect.first && (effect.applies)(&problem.nominal, &problem.excitation))
+        .map(|effect| Entry { effect, values: vec![0.0; effect.parameters.len()] })
+        .collect();
+    if entries.is_empty() {
+        return Some(nominal.clone());
+    }
+    step(problem, refit(problem, &Hypothesis { entries }, &nominal.assessed.refitted.noise, 10)?)
 }
 
 /// Searches from the nominal machine.
 pub fn search(problem: &Problem, vocabulary: &[&'static Effect]) -> Option<Found> {
     let nominal = step(problem, nominal(problem)?)?;
-    let mut best = nominal.clone();
-    let mut evidence: Vec<(f64, f64)> = Vec::new();
-    let mut tried: Vec<Odds> = Vec::new();
-    let mut trail: Vec<Vec<(Refitted, Odds)>> = Vec::new();
-    while best.assessed.refitted.hypothesis.entries.len() < MOST_EFFECTS {
-        let at = &best.assessed.refitted;
-        let found = extend(problem, at, &candidates(problem, at, vocabulary));
-        let taken = found.iter().find_map(|(one, tries)| {
-            let (next, p, gain) = worth(problem, &best, one, *tries)?;
-            Some((next, p, gain, *tries))
-        });
-        trail.push(found);
-        let Some((next, p, gain, tries)) = taken else { break };
-        evidence.push((p, gain));
-        tried.push(tries);
-        best = next;
+    let mut best = first(problem, &nominal, vocabulary)?;
+    let began = best.assessed.refitted.hypothesis.entries.len();
+    let mut tried = vec![Odds { tries: 1.0, by_chance: 0.0 }; began];
+    // What happens once is looked for when nothing that holds always is left.
+    let lasting: Vec<&'static Effect> = vocabulary.iter().copied().filter(|effect| !effect.once).collect();
+    let mut among: &[&'static Effect] = &lasting;
+    let mut rejected = Vec::new();
+    while best.assessed.refitted.hypothesis.entries.len() < MOST_EFFECTS + began {
+        let found = extend(problem, &best.assessed.refitted, &candidates(problem, &best.assessed.refitted, among));
+        let taken = found.iter().find_map(|(one, odds)| Some((worth(problem, &best, one, *odds)?, *odds)));
+        match taken {
+            Some((next, odds)) => {
+                tried.push(odds);
+                best = next;
+            }
+            None if among.len() < vocabulary.len() => among = vocabulary,
+            None => {
+                rejected = found.into_iter().map(|(one, _)| one).collect();
+                break;
+            }
+        }
     }
-    let rejected = trail.pop().unwrap_or_default().into_iter().map(|(one, _)| one).collect();
-    let (best, evidence, rivals) = neighbourhood(problem, vocabulary, &nominal, best, &tried)?;
-    Some(Found { nominal, best, evidence, rivals, rejected })
+    neighbourhood(problem, vocabulary, nominal, best, tried, rejected)
 }
 
-/// The step to a hypothesis with one entry more, if it is worth it, with p-value and gain.
-fn worth(problem: &Problem, from: &Step, to: &Refitted, odds: Odds) -> Option<(Step, f64, f64)> {
+/// The step to a hypothesis with one entry more, if it is worth it.
+fn worth(problem: &Problem, from: &Step, to: &Refitted, odds: Odds) -> Option<Step> {
     let rise = to.log_likelihood - from.assessed.refitted.log_likelihood;
     if !(rise > price(problem)) {
         return None;
@@ -189,12 +205,17 @@ fn worth(problem: &Problem, from: &Step, to: &Refitted, odds: Odds) -> Option<(S
     let gain = gain(problem, &next, from, entry);
     let crossed = next.assessed.total() > from.assessed.total();
     let apart = next.assessed.away_from_neutral(&problem.nominal, entry);
-    (p < LEVEL_OF_A_STEP && gain >= SMALLEST_GAIN && crossed && apart).then_some((next, p, gain))
+    (p < LEVEL_OF_A_STEP && gain >= SMALLEST_GAIN && crossed && apart).then_some(next)
 }
 
 /// What an entry brings to the windows: those that judge, or those around an event.
 fn gain(problem: &Problem, with: &Step, without: &Step, entry: usize) -> f64 {
     let entry = &with.assessed.refitted.hypothesis.entries[entry];
+    if entry.effect.parameter(0).searched {
+        // What changes samples and no motion shows in no window: the fall of the innovations' typical size instead.
+        let rise = with.assessed.refitted.log_likelihood - without.assessed.refitted.log_likelihood;
+        return 1.0 - (-rise / problem.fitted_rows().max(1) as f64).exp();
+    }
     let span = (entry.effect.span)(&entry.values);
     span.and_then(|(recording, from_s, to_s)| {
         let t_s = &problem.recordings.get(recording)?.t_s;
@@ -204,20 +225,18 @@ fn gain(problem: &Problem, with: &Step, without: &Step, entry: usize) -> f64 {
     .unwrap_or_else(|| with.windows.gain_over(&without.windows, problem))
 }
 
-type Neighbours = (Step, Vec<(f64, f64)>, Vec<(usize, Step)>);
-
-/// Drops what is not missed, and refits what may stand in the place of each entry.
+/// Drops what is not missed, refits what may stand in the place of each entry, and goes on from a simpler one that these
+/// recordings do not tell from the best.
 fn neighbourhood(
     problem: &Problem,
     vocabulary: &[&'static Effect],
-    nominal: &Step,
+    nominal: Step,
     mut best: Step,
-    tried: &[Odds],
-) -> Option<Neighbours> {
-    let mut tried = tried.to_vec();
+    mut tried: Vec<Odds>,
+    rejected: Vec<Refitted>,
+) -> Option<Found> {
+    let (mut evidence, mut rivals): (Vec<(f64, f64)>, Vec<(usize, Step)>) = (Vec::new(), Vec::new());
     let mut at = 0;
-    let mut evidence = Vec::new();
-    let mut rivals: Vec<(usize, Step)> = Vec::new();
     while at < best.assessed.refitted.hypothesis.entries.len() {
         let hypothesis = &best.assessed.refitted.hypothesis;
         let without = if hypothesis.entries.len() == 1 {
@@ -228,21 +247,33 @@ fn neighbourhood(
         let gain = gain(problem, &best, &without, at);
         let rise = best.assessed.refitted.log_likelihood - without.assessed.refitted.log_likelihood;
         let p = p_value(&best.assessed, at, rise, tried[at]);
-        if hypothesis.entries.len() > 1 && (p > LEVEL_OF_A_STEP || gain < SMALLEST_GAIN || !best.assessed.away_from_neutral(&problem.nominal, at)) {
-            best = without;
+        if p > LEVEL_OF_A_STEP || gain < SMALLEST_GAIN || !best.assessed.away_from_neutral(&problem.nominal, at) {
             tried.remove(at);
-            rivals.clear();
+            (best, at) = (without, 0);
             evidence.clear();
-            at = 0;
+            rivals.clear();
             continue;
         }
-        let base = &without.assessed.refitted;
         let own = hypothesis.entries[at].effect;
         let others: Vec<&'static Effect> = vocabulary.iter().copied().filter(|effect| *effect != own).collect();
-        let found = extend(problem, base, &candidates(problem, base, &others));
-        rivals.extend(found.into_iter().take(REFITTED).filter_map(|(one, _)| Some((at, step(problem, one)?))));
+        let found = extend(problem, &without.assessed.refitted, &candidates(problem, &without.assessed.refitted, &others));
+        let found: Vec<Step> = found.into_iter().take(REFITTED).filter_map(|(one, _)| step(problem, one)).collect();
+        let simpler = found.iter().find(|rival| {
+            let fewer = rival.assessed.freedom() < best.assessed.freedom();
+            fewer && compare(problem, &best.assessed, &rival.assessed).p_value() >= LEVEL_OF_THE_SET / found.len() as f64
+        });
+        if let Some(simpler) = simpler {
+            // The new entry stands last.
+            tried.remove(at);
+            tried.push(Odds { tries: 1.0, by_chance: 0.0 });
+            (best, at) = (simpler.clone(), 0);
+            evidence.clear();
+            rivals.clear();
+            continue;
+        }
+        rivals.extend(found.into_iter().map(|rival| (at, rival)));
         evidence.push((p, gain));
         at += 1;
     }
-    Some((best, evidence, rivals))
+    Some(Found { nominal, best, evidence, rivals, rejected })
 }

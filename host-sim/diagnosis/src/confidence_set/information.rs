@@ -46,7 +46,10 @@ const LAGS: usize = 2;
 
 /// Linearises at the optimum.
 pub fn assess(problem: &Problem, refitted: Refitted) -> Option<Assessed> {
-    let path = kept(problem, &refitted.hypothesis.physics(&problem.nominal), &refitted.noise, problem.fitted)?;
+    let alone = refitted.hypothesis.alone();
+    let beyond = alone.iter().any(|of| of.is_some_and(|of| of >= problem.fitted));
+    let many = if beyond { problem.recordings.len() } else { problem.fitted };
+    let path = kept(problem, &refitted.hypothesis.physics(&problem.nominal), &refitted.noise, many)?;
     let still = || path.recordings.iter().map(|kept| vec![0.0; kept.innovations.whitened.len()]).collect();
     let columns: Vec<Vec<Vec<f64>>> =
         columns(problem, &refitted.hypothesis, &path).into_iter().map(|column| column.unwrap_or_else(still)).collect();
@@ -55,15 +58,16 @@ pub fn assess(problem: &Problem, refitted: Refitted) -> Option<Assessed> {
     let mut parts: Vec<Vec<DMatrix<f64>>> = Vec::new();
     for (index, kept) in path.recordings.iter().enumerate() {
         let (mut of_scores, mut of_parts) = (Vec::new(), Vec::new());
+        let told: Vec<bool> = alone.iter().map(|of| index < problem.fitted || *of == Some(index)).collect();
         for block in &problem.blocks[index] {
             let (mut score, mut part) = (DVector::zeros(many), DMatrix::zeros(many, many));
             for row in block.clone().filter(|&row| kept.innovations.counted[row]) {
                 let whitened = kept.innovations.whitened[row];
                 let weight = (HUBER / whitened.abs()).min(1.0);
-                for i in 0..many {
+                for i in (0..many).filter(|&i| told[i]) {
                     let a = weight * columns[i][index][row];
                     score[i] -= a * whitened;
-                    for j in 0..=i {
+                    for j in (0..=i).filter(|&j| told[j]) {
                         part[(i, j)] += a * columns[j][index][row];
                     }
                 }

@@ -11,5 +11,6 @@ pub static EFFECT: Effect = Effect {
     starts: |_, e| [-3.0, -1.0, -0.5, 0.5, 1.0, 3.0].iter().map(|&rows| vec![rows * e.period_s]).collect(),
     put: |p, v| p.skew_s = v[0],
     alike: &["torque_delay", "sensor_latency"],
+    first: true,
     ..PLAIN
 };

@@ -32,5 +32,6 @@ pub static EFFECT: Effect = Effect {
         e.pulses.iter().find(same).map_or(1.0, |(_, _, chance)| *chance)
     },
     leading: 2,
+    once: true,
     ..PLAIN
 };

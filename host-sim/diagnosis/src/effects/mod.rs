@@ -205,6 +205,8 @@ pub struct Effect {
     pub repeats: bool,
     /// Recording, start and end, s, of what happens once: nothing elsewhere can predict it. None for what holds always.
     pub span: fn(&[f64]) -> Option<(usize, f64, f64)>,
+    /// It happens once.
+    pub once: bool,
     /// The recording that the value at an index belongs to alone; none for what holds for all of them.
     pub recording_of: fn(&[f64], usize) -> Option<usize>,
     /// Places that were looked at to find its starts, beside the starts themselves.
@@ -213,6 +215,8 @@ pub struct Effect {
     pub by_chance: fn(&Excitation, &[f64]) -> f64,
     /// Effects that no motion of a machine without a fluid tells from it.
     pub alike: &'static [&'static str],
+    /// It is part of the first hypothesis of a machine that can have it: other effects stand in for it where it is missing.
+    pub first: bool,
     /// It is a hypothesis that competes but is not in the vocabulary of answers.
     pub nuisance: bool,
 }
@@ -232,10 +236,12 @@ pub(crate) const PLAIN: Effect = Effect {
     columns: Columns::Whole,
     repeats: false,
     span: |_| None,
+    once: false,
     recording_of: |_, _| None,
     looked_at: |_| 1.0,
     by_chance: |_, _| 0.0,
     alike: &[],
+    first: false,
     nuisance: false,
 };
 
