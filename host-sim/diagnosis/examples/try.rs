@@ -8,7 +8,8 @@ use diagnosis::problem::Problem;
 use diagnosis::recorded::Recorded;
 use recording::{Machine, Recording};
 
-fn one(machine: &Path, fit: &[String], hold: &[String], note: &str) {
+fn one(machine: &Path, fit: &[String], hold: &[String], note: &str, without: &[String]) {
+    let vocabulary: Vec<_> = VOCABULARY.iter().copied().filter(|e| !without.iter().any(|w| w == e.id)).collect();
     let machine = Machine::read(machine).unwrap();
     let read = |names: &[String]| names.iter().map(|n| Recorded::new(&Recording::read(Path::new(n), Some(machine.axis.kind)).unwrap())).collect::<Vec<_>>();
     let mut all = read(fit);
@@ -17,7 +18,7 @@ fn one(machine: &Path, fit: &[String], hold: &[String], note: &str) {
     let linear = machine.axis.kind == recording::AxisKind::Linear;
     let t = Instant::now();
     let problem = Problem::new(Physics::nominal(&machine, &[]), all, fitted, machine.axis.resolution, linear);
-    let n0 = diagnosis::search::first_noise(&problem); let Some(c) = diagnose(&problem, &VOCABULARY) else { println!("{note} NONE {n0:?} {:?}", diagnosis::search::nominal(&problem).map(|n| n.log_likelihood)); return };
+    let n0 = diagnosis::search::first_noise(&problem); let Some(c) = diagnose(&problem, &vocabulary) else { println!("{note} NONE {n0:?} {:?}", diagnosis::search::nominal(&problem).map(|n| n.log_likelihood)); return };
     let mut s = format!("{note} {:.1}s {:?}", t.elapsed().as_secs_f64(), c.verdict);
     for e in &c.effects {
         s += &format!(" | {} {:?}", e.effect.id, e.standing);
@@ -39,10 +40,10 @@ fn main() {
             let truth = std::fs::read_to_string(Path::new(folder).join("truth.json")).unwrap();
             let ids: Vec<String> = truth.split("\"id\": \"").skip(1).map(|s| s.split('"').next().unwrap().to_owned()).collect();
             let f = |n: &str| format!("{folder}/{n}");
-            one(&Path::new(folder).join("machine.toml"), &[f("a.csv"), f("b.csv")], &[f("c.csv")], &format!("{folder} TRUE {ids:?}"));
+            one(&Path::new(folder).join("machine.toml"), &[f("a.csv"), f("b.csv")], &[f("c.csv")], &format!("{folder} TRUE {ids:?}"), if folder.contains("/removed/") { &ids } else { &[] });
         }
         return;
     }
     let split = arguments.iter().position(|a| a == "--holdout").unwrap_or(arguments.len());
-    one(Path::new(&arguments[0]), &arguments[1..split], arguments.get(split + 1..).unwrap_or(&[]), &arguments[0]);
+    one(Path::new(&arguments[0]), &arguments[1..split], arguments.get(split + 1..).unwrap_or(&[]), &arguments[0], &[]);
 }
