@@ -13,6 +13,7 @@ pub mod interrupt;
 pub mod line;
 pub mod locate;
 pub mod output;
+pub mod precheck;
 pub mod progress_bar;
 pub mod propose;
 pub mod prove;

@@ -27,7 +27,7 @@ pub use menu::Item;
 pub use power::P_VALUE;
 pub use rival::Rival;
 pub use signature::{floor_of, mismatch, power_of, signature};
-pub use write::write_reference;
+pub use write::reference_csv;
 
 use crate::Error;
 use crate::read::{AxisKind, Machine, Recording};

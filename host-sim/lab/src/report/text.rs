@@ -24,6 +24,9 @@ fn write_summary(text: &mut String, answer: &Answer) -> std::fmt::Result {
     if answer.verdict == Verdict::Unknown {
         write_unknown(text, answer)?;
     }
+    if !answer.verdict.believes_its_effects() && !answer.effects.is_empty() {
+        writeln!(text, "\nFitted, but not believed:")?;
+    }
     answer.effects.iter().try_for_each(|effect| write_effect(text, effect))?;
     write_fit(text, &answer.fit)?;
     for location in answer.locations.iter().take(3) {

@@ -5,15 +5,21 @@ use super::escape::text;
 use super::windows::WINDOW_S;
 use super::words::{estimate, interval, number, p_value, per_cent_explained, title};
 use super::{MapPlot, PlotData};
+use crate::output::{Input, Provenance};
 use crate::report::{Answer, EffectAnswer, Formula, ResidualMap, Verdict};
 
-/// Every effect of the best model: what it is, its values, why it is believed.
+/// Every effect of the best model: what it is, its values, why it is believed or that it is not.
 pub(super) fn effects(answer: &Answer) -> String {
     if answer.effects.is_empty() {
         return String::new();
     }
     let each: String = answer.effects.iter().map(effect).collect();
-    section("effects", "What is missing", &each)
+    if answer.verdict.believes_its_effects() {
+        return section("effects", "What is missing", &each);
+    }
+    let note = "<p class=\"note\">The best that the vocabulary does with these recordings. Something is left beside it that these \
+                values may only stand in for: do not put them into a model.</p>";
+    section("effects", "Fitted, but not believed", &format!("{note}{each}"))
 }
 
 fn effect(effect: &EffectAnswer) -> String {
@@ -262,6 +268,24 @@ pub(super) fn experiment(answer: &Answer) -> String {
     let file = experiment.reference_csv.as_ref();
     let file = file.map_or_else(String::new, |file| format!("<p>Reference to play: <code>{}</code></p>", text(file)));
     section("next", "What to record next", &format!("<p>{}</p>{apart}{file}", text(&experiment.text)))
+}
+
+/// What made the page.
+pub(super) fn provenance(made: &Provenance) -> String {
+    let input = |input: &Input| {
+        let sha256 = input.sha256.as_deref().unwrap_or("read once, not hashed");
+        vec![format!("<code>{}</code>", text(&input.file)), format!("<code>{}</code>", text(sha256))]
+    };
+    let files = table("Files that were read", &["file", "SHA-256"], made.inputs.iter().map(input).collect());
+    let seed = made.seed.map_or_else(String::new, |seed| format!(", random draws from seed {seed}"));
+    let body = format!(
+        "<p>{} on {}, built from commit <code>{}</code>{seed}.</p><p><code>{}</code></p>{files}",
+        text(&made.written_by),
+        text(&made.date),
+        text(&made.commit),
+        text(&made.command)
+    );
+    section("provenance", "What made this page", &body)
 }
 
 /// What the reader should know before believing the answer.
