@@ -12,8 +12,11 @@ fn main() {
             println!("cargo::rerun-if-changed={path}");
         }
     }
-    for sources in ["src", "../recording/src", "../plant/src", "../conceal/src", "../wire/src", "../../src"] {
+    for sources in ["src", "../../src"] {
         println!("cargo::rerun-if-changed={sources}");
+    }
+    for other in ["analysis", "conceal", "plant", "progress", "recording", "wire"] {
+        println!("cargo::rerun-if-changed=../{other}/src");
     }
     println!("cargo::rustc-env=SERVO_LAB_COMMIT={}", commit());
 }

@@ -15,8 +15,11 @@ const ROUNDS: usize = 6;
 const HUBER: f64 = 1.345;
 /// Standard deviation of a normal distribution over its median absolute deviation.
 const SIGMA_PER_MAD: f64 = 1.4826;
-/// Below this partial correlation torque and acceleration have nothing to do with each other.
-const RELATED: f64 = 0.3;
+/// Below this partial correlation other torques may be what relates torque and acceleration: the speed of a slow axis ripples
+/// with a cogging that the torque works against (0.64 on a real one), where a motion that tells the inertia has 0.83 and more.
+const RELATED: f64 = 0.75;
+/// Columns whose common part is all but this share of them, squared, are one column.
+const ALIKE: f64 = 1e-9;
 /// Share of the windows that may be wrong, at the top of a speed or an acceleration.
 const WRONG: f64 = 0.005;
 
@@ -79,8 +82,7 @@ fn fitted(windows: &[Window]) -> Option<Inertia> {
     let mut weights = DVector::repeat(windows.len(), 1.0);
     let mut inertia = None;
     for _ in 0..ROUNDS {
-        let [effort, acceleration] = [&effort, &acceleration].map(|values| without(values, &others, &weights));
-        let [effort, acceleration] = [effort?, acceleration?];
+        let [effort, acceleration] = without([&effort, &acceleration], &others, &weights);
         let weighted = |one: &DVector<f64>, other: &DVector<f64>| -> f64 {
             one.iter().zip(other).zip(&weights).map(|((one, other), weight)| weight * one * other).sum()
         };
@@ -92,35 +94,34 @@ fn fitted(windows: &[Window]) -> Option<Inertia> {
         }
         let slope = both / of_acceleration;
         inertia = Some(Inertia { correlation, low: slope.abs(), high: (of_effort / both).abs() });
-        weights = huber(&(effort - acceleration * slope))?;
+        weights = huber(&(effort - acceleration * slope));
     }
     inertia.filter(|inertia| inertia.correlation.abs() >= RELATED)
 }
 
-/// What is left of values once the others are taken out by weighted least squares.
-fn without(values: &DVector<f64>, others: &DMatrix<f64>, weights: &DVector<f64>) -> Option<DVector<f64>> {
+/// What is left of both values once the others are taken out by weighted least squares.
+fn without(values: [&DVector<f64>; 2], others: &DMatrix<f64>, weights: &DVector<f64>) -> [DVector<f64>; 2] {
     let roots = weights.map(f64::sqrt);
     let mut scaled = others.clone();
     scaled.column_iter_mut().for_each(|mut column| column.component_mul_assign(&roots));
-    // Columns of very different size, and those that are others of them in disguise.
-    let sizes: Vec<f64> = scaled.column_iter().map(|column| column.norm()).collect();
-    scaled.column_iter_mut().zip(&sizes).for_each(|(mut column, size)| column /= size.max(f64::MIN_POSITIVE));
-    let solution = scaled.svd(true, true).solve(&values.component_mul(&roots), 1e-9).ok()?;
-    let factors = DVector::from_iterator(
-        sizes.len(),
-        solution.iter().zip(&sizes).map(|(factor, size)| factor / size.max(f64::MIN_POSITIVE)),
-    );
-    Some(values - others * factors)
+    // Columns of very different size become one size, and those that are others of them in disguise are left out.
+    let sizes =
+        DVector::from_iterator(scaled.ncols(), scaled.column_iter().map(|column| column.norm().max(f64::MIN_POSITIVE)));
+    scaled.column_iter_mut().zip(&sizes).for_each(|(mut column, size)| column /= *size);
+    let eigen = scaled.tr_mul(&scaled).symmetric_eigen();
+    let least = ALIKE * eigen.eigenvalues.max();
+    let inverse = eigen.eigenvalues.map(|value| if value > least { value.recip() } else { 0.0 });
+    values.map(|values| {
+        let along = eigen.eigenvectors.tr_mul(&scaled.tr_mul(&values.component_mul(&roots)));
+        let factors = (&eigen.eigenvectors * along.component_mul(&inverse)).component_div(&sizes);
+        values - others * factors
+    })
 }
 
-/// Weights of a robust fit from its residuals; none where most of them are zero.
-fn huber(residuals: &DVector<f64>) -> Option<DVector<f64>> {
+/// Weights of a robust fit from its residuals; all the same where most of these are zero.
+fn huber(residuals: &DVector<f64>) -> DVector<f64> {
     let mut sizes: Vec<f64> = residuals.iter().map(|residual| residual.abs()).collect();
     let middle = sizes.len() / 2;
     let limit = HUBER * SIGMA_PER_MAD * *sizes.select_nth_unstable_by(middle, f64::total_cmp).1;
-    if limit > 0.0 {
-        Some(residuals.map(|residual| if residual.abs() <= limit { 1.0 } else { limit / residual.abs() }))
-    } else {
-        Some(residuals.map(|_| 1.0))
-    }
+    residuals.map(|residual| if residual.abs() <= limit || limit == 0.0 { 1.0 } else { limit / residual.abs() })
 }

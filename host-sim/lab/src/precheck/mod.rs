@@ -42,11 +42,9 @@ const SLOWEST_SAMPLING_S: f64 = 0.05;
 const OTHER_UNIT: f64 = 100.0;
 /// A step or an inertia this many times another is not the same one measured badly.
 const FAR_OFF: f64 = 5.0;
-/// Partial correlation of torque and acceleration below which the sign of one of them is wrong: a machine of any inertia has
-/// a positive one, and what noise and missing physics make of it lies about zero.
-const SIGN_DOUBTED: f64 = -0.4;
-/// And below which nothing else can be.
-const SIGN_CERTAIN: f64 = -0.8;
+/// Partial correlation of torque and acceleration below which one of them has the wrong sign for certain: a machine of any
+/// inertia has a positive one.
+const SIGN_CERTAIN: f64 = -0.9;
 
 /// Speeds and accelerations beyond which no servo axis goes, and travels beyond which none measures, in the units of the axis.
 #[derive(Debug, Clone, Copy)]
@@ -165,11 +163,11 @@ fn one(
 fn balance(machine: &Machine, estimate: &Estimate, purpose: Purpose, add: &mut dyn FnMut(Problem, Severity)) {
     let Some(inertia) = estimate.inertia else { return };
     let nominal = machine.plant.inertia;
-    if inertia.correlation < SIGN_DOUBTED {
+    if inertia.correlation < 0.0 {
         let certain = inertia.correlation < SIGN_CERTAIN && purpose == Purpose::Diagnose;
         let severity = if certain { Severity::Error } else { Severity::Warning };
         add(Problem::SignFlipped { correlation: inertia.correlation }, severity);
-    } else if inertia.correlation > 0.0 && (inertia.low > FAR_OFF * nominal || inertia.high < nominal / FAR_OFF) {
+    } else if inertia.low > FAR_OFF * nominal || inertia.high < nominal / FAR_OFF {
         add(Problem::Inertia { low: inertia.low, high: inertia.high, nominal }, Severity::Warning);
     }
 }
@@ -193,4 +191,3 @@ fn still_within(machine: &Machine, recording: &Recording) -> f64 {
     let (low, high) = range(&recording.position);
     (2.0 * machine.axis.resolution).max(1e-12 * low.abs().max(high.abs()))
 }
-

@@ -3,7 +3,7 @@
 use crate::read::{AxisKind, Machine, Recording};
 
 /// Windows looked at for each length; more tell no more.
-const MOST: usize = 2000;
+const MOST: usize = 500;
 /// Fewest rows of a window: a parabola has three values.
 const FEWEST_ROWS: usize = 8;
 /// Shares of the travel that a window must move by to show a direction.
@@ -93,13 +93,13 @@ fn parabola(s: impl Iterator<Item = f64> + Clone, values: &[f64]) -> Option<(f64
     Some((solution[1], solution[2]))
 }
 
-/// The torque that acts at a row by the machine file: commanded a delay ago, scaled and limited, N m (N).
+/// The torque that acts at a row by the machine file: commanded a delay ago and scaled, N m (N). Its limit is left out: a torque
+/// in another unit is beyond it.
 fn acting(machine: &Machine, recording: &Recording, row: usize) -> f64 {
     let plant = &machine.plant;
     let since_s = recording.t_s[row] - plant.torque_delay_s;
     let held = recording.t_s.partition_point(|t_s| *t_s <= since_s).max(1) - 1;
-    let effort = plant.torque_gain * recording.effort_cmd[held] + plant.torque_offset;
-    plant.torque_limit.map_or(effort, |limit| effort.clamp(-limit, limit))
+    plant.torque_gain * recording.effort_cmd[held] + plant.torque_offset
 }
 
 /// What may act beside the commanded torque, each with a factor of its own.
