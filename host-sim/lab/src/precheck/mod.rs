@@ -130,16 +130,6 @@ fn one(
     purpose: Purpose,
     add: &mut dyn FnMut(Problem, Severity),
 ) {
-    let file_s = machine.axis.sample_period_s;
-    if !(1.0 / OTHER_UNIT..OTHER_UNIT).contains(&(period_s / file_s)) {
-        add(Problem::OtherPeriod { period_s, file_s }, Severity::Warning);
-    }
-    let resolution = machine.axis.resolution;
-    if let Some(step) = position_step(&recording.position).filter(|_| resolution > 0.0)
-        && !(1.0 / FAR_OFF..=FAR_OFF).contains(&(step / resolution))
-    {
-        add(Problem::OtherStep { step, resolution }, Severity::Warning);
-    }
     let (low, high) = range(&recording.effort_cmd);
     // Constant but for the rounding of a log.
     let constant = high - low <= 1e-9 * high.abs().max(low.abs());
@@ -147,23 +137,45 @@ fn one(
         add(Problem::ConstantEffort { value: high }, Severity::Warning);
     }
     let estimate = estimate(machine, recording, period_s);
-    let limits = Limits::of(recording.axis);
-    if estimate.speed > limits.speed {
-        add(Problem::Speed { value: estimate.speed, most: limits.speed }, Severity::Warning);
-    }
-    if estimate.acceleration > limits.acceleration {
-        add(Problem::Acceleration { value: estimate.acceleration, most: limits.acceleration }, Severity::Warning);
-    }
+    let units = units(machine, recording, period_s, &estimate);
+    units.iter().for_each(|problem| add(*problem, Severity::Warning));
     if !constant {
-        balance(machine, &estimate, purpose, add);
+        // Gravity follows the sine of the position, in rad: with another unit it is not taken out, and tells no sign.
+        let trusted = units.is_empty();
+        balance(machine, &estimate, (purpose, trusted), add);
     }
 }
 
-/// Whether torque and acceleration fit each other, and the inertia of the machine file.
-fn balance(machine: &Machine, estimate: &Estimate, purpose: Purpose, add: &mut dyn FnMut(Problem, Severity)) {
+/// What looks like a wrong unit.
+fn units(machine: &Machine, recording: &Recording, period_s: f64, estimate: &Estimate) -> Vec<Problem> {
+    let (file_s, resolution) = (machine.axis.sample_period_s, machine.axis.resolution);
+    let limits = Limits::of(recording.axis);
+    let is_other_period = !(1.0 / OTHER_UNIT..OTHER_UNIT).contains(&(period_s / file_s));
+    let is_far = |step: &f64| resolution > 0.0 && !(1.0 / FAR_OFF..=FAR_OFF).contains(&(step / resolution));
+    let Estimate { speed, acceleration, .. } = *estimate;
+    let problems = [
+        is_other_period.then_some(Problem::OtherPeriod { period_s, file_s }),
+        position_step(&recording.position).filter(is_far).map(|step| Problem::OtherStep { step, resolution }),
+        (speed > limits.speed).then_some(Problem::Speed { value: speed, most: limits.speed }),
+        (acceleration > limits.acceleration)
+            .then_some(Problem::Acceleration { value: acceleration, most: limits.acceleration }),
+    ];
+    problems.into_iter().flatten().collect()
+}
+
+/// Whether torque and acceleration fit each other, where the units are trusted, and the inertia of the machine file.
+fn balance(
+    machine: &Machine,
+    estimate: &Estimate,
+    (purpose, trusted): (Purpose, bool),
+    add: &mut dyn FnMut(Problem, Severity),
+) {
     let Some(inertia) = estimate.inertia else { return };
     let nominal = machine.plant.inertia;
     if inertia.correlation < 0.0 {
+        if !trusted {
+            return;
+        }
         let certain = inertia.correlation < SIGN_CERTAIN && purpose == Purpose::Diagnose;
         let severity = if certain { Severity::Error } else { Severity::Warning };
         add(Problem::SignFlipped { correlation: inertia.correlation }, severity);
