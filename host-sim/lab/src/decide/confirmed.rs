@@ -78,6 +78,9 @@ fn refine(request: &Request<'_>, searched: &Searched, notes: &mut Vec<String>) -
 /// The weakest of the effects that simulation does as well without.
 fn unconfirmed(request: &Request<'_>, searched: &Searched, refined: &Refined) -> Option<usize> {
     let (problem, fit) = (&searched.problem, &searched.outcome.fit);
+    if problem.budget.check() {
+        return None;
+    }
     let refitter = Refitter::new(problem, &searched.outcome);
     let rms = |active: &[Active]| searched.windows_rms(request, active);
     let falls = |without: &[Active], to: f64| -> bool {
@@ -114,6 +117,7 @@ fn above_sensor(request: &Request<'_>, searched: &Searched, active: &[Active], t
     let noise = |index| Noise { torque: 0.0, ..estimate(problem, &outcome.fit, &outcome.weights, index, resolution) };
     let noises: Vec<Noise> = (0..problem.fitted).map(noise).collect();
     let floor = noise_floor(&machine, searched.fitted(), &problem.motions, &noises)?;
+    problem.budget.spend(floor.work);
     let windows = searched.windows(request, &machine)?;
     Ok(floor.under(&windows, 0).is_none_or(|above| above.exceeded(windows.rms(), times)))
 }

@@ -46,8 +46,11 @@ pub(super) fn fit_answer(
     let recorded: &[Recording] = if named { &searched.recordings } else { &repaired };
     let count = request.recordings.len();
     let resolution = request.machine.axis.resolution;
-    let windows =
-        |physics, recordings: &[Recording], first| Windows::new(physics, recordings, first, resolution, HORIZON_S);
+    let windows = |physics, recordings: &[Recording], first| {
+        let windows = Windows::new(physics, recordings, first, resolution, HORIZON_S)?;
+        searched.problem.budget.spend(windows.work);
+        Ok::<_, Error>(windows)
+    };
     let rms = |physics, recordings, first| windows(physics, recordings, first).map(|windows| windows.rms());
     let left = match &repaired {
         Cow::Borrowed(_) => searched.windows(request, improved)?,
@@ -87,7 +90,7 @@ pub(super) fn fit_answer(
             _ => explained(outcome.nominal.sse, outcome.fit.sse, floor),
         },
         unit: unit.to_owned(),
-        horizon_s: HORIZON_S,
+        horizon_s: left.horizon_s(),
     };
     Ok((answer, Floors { fitted, held_out }))
 }
