@@ -71,9 +71,11 @@ pub fn run(args: &Args) -> Result<(), Error> {
     if args.stages {
         diagnosis.stages.taken().iter().for_each(|(stage, took)| eprintln!("{stage:24} {:7.3} s", took.as_secs_f64()));
     }
-    if let (Some(file), Some(proposal), Some(experiment)) =
-        (&args.experiment, &diagnosis.proposal, &mut diagnosis.answer.experiment)
-    {
+    if let (Some(file), Some(proposal), Some(experiment)) = (
+        &args.experiment,
+        diagnosis.proposal.as_ref().filter(|proposal| !proposal.reference.is_empty()),
+        &mut diagnosis.answer.experiment,
+    ) {
         propose::write_reference(file, machine.axis.kind, &proposal.reference)?;
         experiment.reference_csv = Some(file.display().to_string());
     }

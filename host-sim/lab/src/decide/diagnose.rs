@@ -14,7 +14,7 @@ use super::refined::Refined;
 use super::simulated::shown;
 use super::stretches::stretches;
 use super::twin::Twins;
-use super::verdict::{at_bound, verdict, warnings};
+use super::verdict::{at_bound, not_told, verdict, warnings};
 use std::sync::Arc;
 
 use crate::Error;
@@ -251,6 +251,7 @@ fn judge(
     reasons.extend(flat(problem, &searched.outcome, &answer.effects));
     reasons.extend(held(problem, &refined.active));
     reasons.extend(at_bound(&searched.outcome.fit.active, &refined.active));
+    reasons.extend(not_told(&answer.effects, nominal, problem.motions.len()));
     reasons.extend(cut.then(|| UNFINISHED.to_owned()));
     if answer.verdict != Verdict::Controller {
         answer.verdict = verdict(searched, answer, &left, (&twins, &floors), &reasons);

@@ -61,6 +61,10 @@ const PATIENCE: i32 = 64;
 /// The shortest advance then doubles every so many turns, so that a segment always ends: chatter becomes its own mean.
 const TURNS_TO_DOUBLE: i32 = 4;
 
+/// Shortest step that a law may ask for, s: laws are followed down to 50 us, and a number at the end of what a double holds
+/// may ask for none at all.
+const LEAST_STEP_S: f64 = 1e-6;
+
 /// Shortest advance of an event after so many turns within one segment, s.
 fn least_advance_s(turns: i32) -> f64 {
     LEAST_ADVANCE_S * 2.0_f64.powi(((turns - PATIENCE) / TURNS_TO_DOUBLE).max(0))
@@ -113,6 +117,7 @@ fn rest<F: Flow>(flow: &F, segment: &Segment, (t, to_s): (f64, f64), least_s: f6
 /// A step of at most `longest` that ends exactly at `to_s` if it reaches it: its length and its end.
 #[inline]
 fn cut(t: f64, to_s: f64, longest: f64) -> (f64, f64) {
+    let longest = longest.max(LEAST_STEP_S);
     if longest < to_s - t { (longest, t + longest) } else { (to_s - t, to_s) }
 }
 
