@@ -4,6 +4,7 @@
 //! Flow is one way: a stage knows only what comes before it.
 #![forbid(unsafe_code)]
 
+pub mod budget;
 pub mod cli;
 pub mod decide;
 pub mod effects;

@@ -95,9 +95,11 @@ pub fn run(args: &Args) -> Result<ExitCode, Error> {
     if args.stages {
         diagnosis.stages.taken().iter().for_each(|(stage, took)| eprintln!("{stage:24} {:7.3} s", took.as_secs_f64()));
     }
-    if let (Some(output), Some(proposal), Some(experiment)) =
-        (asked.experiment, &diagnosis.proposal, &mut diagnosis.answer.experiment)
-    {
+    if let (Some(output), Some(proposal), Some(experiment)) = (
+        asked.experiment,
+        diagnosis.proposal.as_ref().filter(|proposal| !proposal.reference.is_empty()),
+        &mut diagnosis.answer.experiment,
+    ) {
         let text = propose::reference_csv(machine.axis.kind, &proposal.reference);
         output::text(&mut outputs, output, &text)?;
         experiment.reference_csv = Some(outputs.file(output).display().to_string());

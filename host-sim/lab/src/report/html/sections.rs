@@ -6,6 +6,7 @@ use super::windows::WINDOW_S;
 use super::words::{estimate, interval, number, p_value, per_cent_explained, title};
 use super::{MapPlot, PlotData};
 use crate::output::{Input, Provenance};
+use crate::report::text::per_cent;
 use crate::report::{Answer, EffectAnswer, Formula, ResidualMap, Verdict};
 
 /// Every effect of the best model: what it is, its values, why it is believed or that it is not.
@@ -31,9 +32,9 @@ fn effect(effect: &EffectAnswer) -> String {
         table("Values in the improved model", &["parameter", "value", "95 % interval", "unit"], rows.collect());
     let evidence = &effect.evidence;
     let because = format!(
-        "<p class=\"quiet\">Held-out error {:.1} % less with it; p {} after correction for everything tried; removes {} % of \
+        "<p class=\"quiet\">Held-out error {} % less with it; p {} after correction for everything tried; removes {} % of \
          the excess over the noise.</p>",
-        100.0 * evidence.heldout_gain,
+        per_cent(evidence.heldout_gain),
         text(&p_value(evidence.p_value)),
         text(&per_cent_explained(evidence.excess_explained))
     );
@@ -57,9 +58,9 @@ pub(super) fn fit(answer: &Answer) -> String {
     let fit = &answer.fit;
     let (prefix, factor) = prefix(fit.before_rms.max(fit.heldout_before_rms));
     let row = |name: &str, before: f64, after: f64, floor: f64| {
-        let less = 100.0 * (1.0 - after / before.max(f64::MIN_POSITIVE));
+        let less = per_cent(1.0 - after / before.max(f64::MIN_POSITIVE));
         let [before, after, floor] = [before, after, floor].map(|rms| number(rms * factor, 0.0));
-        vec![name.to_owned(), before, after, format!("{less:.1} %"), floor]
+        vec![name.to_owned(), before, after, format!("{less} %"), floor]
     };
     let rows = vec![
         row("fitted", fit.before_rms, fit.after_rms, fit.noise_floor_rms),
