@@ -11,6 +11,7 @@ pub mod recorded;
 pub mod score;
 pub mod confidence_set;
 pub mod goodness;
+pub mod locate;
 pub mod pipeline;
 pub mod search;
 pub mod verdict;

@@ -5,13 +5,14 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use crate::hypothesis::{Refitted, driven, kept};
+use crate::likelihood::filter::Window;
 use crate::problem::Problem;
 
-/// Root mean square of the windows of each recording, rad (m), at two horizons.
+/// Windows of each recording at two horizons.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WindowFit {
-    /// One a recording and horizon: first row, sum of squares and number of rows of each window.
-    windows: Vec<[Vec<(usize, f64, usize)>; 2]>,
+    /// One a recording and horizon.
+    windows: Vec<[Vec<Window>; 2]>,
 }
 
 /// The horizons of the specification, s: within the shorter a delay shows most, within the longer a force.
@@ -32,9 +33,8 @@ impl WindowFit {
                 let period_s = problem.recordings[index].period_s();
                 HORIZONS_S.map(|horizon_s| {
                     let rows = ((horizon_s / period_s).round() as usize).max(LEAST_ROWS);
-                    let windows = kept.prepared.windows(&kept.path, driven(problem, index, &kept.acting), rows);
-                    let squares = |errors: &[f64]| errors.iter().map(|error| error * error).sum();
-                    windows.iter().map(|(start, errors)| (*start, squares(errors), errors.len())).collect()
+                    let driven = driven(problem, index, &kept.acting);
+                    kept.prepared.windows(&kept.path, driven, &refitted.noise, rows)
                 })
             })
             .collect();
@@ -43,22 +43,31 @@ impl WindowFit {
 
     /// Root mean square over recordings, rad (m); 0 without a window.
     pub fn rms(&self, recordings: Range<usize>, horizon: usize) -> f64 {
-        self.rms_where(recordings, horizon, |_, _| true)
+        self.mean_where(recordings, horizon, |_| true, |window| window.squares).sqrt()
     }
 
-    fn rms_where(&self, recordings: Range<usize>, horizon: usize, counts: impl Fn(usize, usize) -> bool) -> f64 {
-        let windows = self.windows[recordings].iter().flat_map(|of| &of[horizon]);
-        let (sum, rows) = windows
-            .filter(|(start, _, rows)| counts(*start, start + rows))
-            .fold((0.0, 0), |(sum, rows), window| (sum + window.1, rows + window.2));
-        if rows == 0 { 0.0 } else { (sum / rows as f64).sqrt() }
+    /// What noise and estimated starts let expect of that, rad (m).
+    pub fn expected_rms(&self, recordings: Range<usize>, horizon: usize) -> f64 {
+        self.mean_where(recordings, horizon, |_| true, |window| window.expected).sqrt()
+    }
+
+    fn mean_where(
+        &self,
+        recordings: Range<usize>,
+        horizon: usize,
+        counts: impl Fn(&Window) -> bool,
+        value: impl Fn(&Window) -> f64,
+    ) -> f64 {
+        let windows = self.windows[recordings].iter().flat_map(|of| &of[horizon]).filter(|window| counts(window));
+        let (sum, rows) = windows.fold((0.0, 0), |(sum, rows), window| (sum + value(window), rows + window.rows));
+        if rows == 0 { 0.0 } else { sum / rows as f64 }
     }
 
     /// The same around an event: in its recording, in windows that touch these rows.
     pub fn gain_at(&self, other: &Self, recording: usize, rows: &Range<usize>) -> f64 {
-        let near = |start: usize, end: usize| start < rows.end && end > rows.start;
+        let near = |window: &Window| window.start < rows.end && window.start + window.rows > rows.start;
         let fall = |horizon: usize| {
-            let of = |fit: &Self| fit.rms_where(recording..recording + 1, horizon, near);
+            let of = |fit: &Self| fit.mean_where(recording..recording + 1, horizon, near, |window| window.squares).sqrt();
             let (before, after) = (of(other), of(self));
             if before > 0.0 { 1.0 - after / before } else { 0.0 }
         };

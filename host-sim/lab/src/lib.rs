@@ -4,6 +4,7 @@
 //! Flow is one way: a stage knows only what comes before it.
 #![forbid(unsafe_code)]
 
+pub mod budget;
 pub mod cli;
 pub mod decide;
 pub mod effects;
@@ -13,6 +14,7 @@ pub mod interrupt;
 pub mod line;
 pub mod locate;
 pub mod output;
+pub mod precheck;
 pub mod progress_bar;
 pub mod propose;
 pub mod prove;

@@ -7,7 +7,7 @@ use clap::Parser;
 fn main() -> ExitCode {
     lab::progress_bar::show();
     match lab::cli::Cli::parse().run() {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(code) => code,
         Err(error) => {
             eprintln!("error: {error}");
             ExitCode::from(error.exit_code())

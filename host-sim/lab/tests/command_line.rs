@@ -107,8 +107,11 @@ fn bad_input_of_every_command_is_one_line_and_writes_nothing() {
         ("compare --machine linear.toml run.csv", "run.csv"),
         ("compare --machine machine.toml bad.csv", "bad.csv:3: position_rad"),
         ("compare --machine machine.toml run.csv bad.csv", "bad.csv:3: position_rad"),
-        ("compare --machine machine.toml short.csv", "short.csv: 0.001 s without a window of 0.05 s"),
-        ("compare --machine machine.toml run.csv short.csv", "short.csv: 0.001 s without a window of 0.05 s"),
+        ("compare --machine machine.toml short.csv", "short.csv: 0.001 s is too short, at least 0.2 s is needed"),
+        (
+            "compare --machine machine.toml run.csv short.csv",
+            "short.csv: 0.001 s is too short, at least 0.2 s is needed",
+        ),
     ];
     for (line, message) in cases {
         refused(folder.path(), line, message);

@@ -13,7 +13,7 @@ use er_servo::{Config, RAD_PER_COUNT};
 use lab::effects::Physics;
 use lab::read::{Axis, AxisKind, Machine, Recording};
 use lab::refit::model;
-use lab::report::compare::{Comparison, HORIZONS_S};
+use lab::report::compare::{Comparison, HORIZON_S};
 use lab::residual::{Channel, residual, sensor_noise};
 use plant::Model;
 
@@ -38,7 +38,7 @@ fn a_machine_that_is_its_model_leaves_the_noise_of_the_sensor() {
         // Rounding to whole counts is a noise of its own.
         let truth = noise_rad.hypot(f64::from(RAD_PER_COUNT) / 12.0_f64.sqrt());
         assert!((noise / truth - 1.0).abs() < 0.1, "noise {noise:e}, in truth {truth:e}");
-        for horizon_s in HORIZONS_S {
+        for horizon_s in [HORIZON_S, 4.0 * HORIZON_S] {
             let residual = residual(&model, &recording, horizon_s).unwrap();
             let ratio = residual.rms() / truth;
             println!("noise {truth:.2e} rad, {horizon_s} s windows: residual {ratio:.3} times that");

@@ -1,7 +1,8 @@
 //! Columns of a recording: their names on each kind of axis, and the header made sense of.
 
 use super::AxisKind;
-use super::nearest::{misspelt, quoted};
+use super::nearest::quoted;
+use super::units::{self, Quantity};
 
 /// A column the format knows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -125,24 +126,27 @@ impl Header {
             })
             .collect();
         let header = Self { axis, columns };
-        for required in Column::REQUIRED {
-            if !header.columns.iter().any(|(_, column)| *column == Some(required)) {
-                return Err(header.missing(required.name(axis)));
-            }
-        }
-        Ok(header)
+        let missing: Vec<&str> = Column::REQUIRED
+            .into_iter()
+            .filter(|required| !header.columns.iter().any(|(_, column)| column == &Some(*required)))
+            .map(|required| required.name(axis))
+            .collect();
+        if missing.is_empty() { Ok(header) } else { Err(header.missing(&missing)) }
     }
 
-    fn missing(&self, required: &str) -> Complaint {
-        let unknown = self.columns.iter().filter(|(_, column)| column.is_none()).map(|(name, _)| name.as_str());
-        let message = match misspelt(required, unknown) {
-            Some(near) => format!("required column is missing; is {} meant to be it?", quoted(near)),
-            None => {
-                let names: Vec<_> = self.columns.iter().map(|(name, _)| name.as_str()).collect();
-                format!("required column is missing; the file has {}", quoted_list(&names))
-            }
-        };
-        Complaint::new(required, message)
+    /// All required columns that are missing, each with the one that may be meant to be it.
+    fn missing(&self, missing: &[&str]) -> Complaint {
+        let unknown = || self.columns.iter().filter(|(_, column)| column.is_none()).map(|(name, _)| name.as_str());
+        let hint = |required: &str| units::called_alike(required, unknown()).map(|near| units::hint(near, required));
+        let names: Vec<_> = self.columns.iter().map(|(name, _)| name.as_str()).collect();
+        let has = format!("the file has {}", quoted_list(&names));
+        if let [only] = missing {
+            let hint = hint(only).unwrap_or(has);
+            return Complaint::new(only, format!("required column is missing; {hint}"));
+        }
+        let hints: Vec<String> = missing.iter().filter_map(|name| Some(format!("{name}: {}", hint(name)?))).collect();
+        let hints = if hints.is_empty() { has } else { hints.join("; ") };
+        Complaint::new(&missing.join(", "), format!("required columns are missing; {hints}"))
     }
 }
 
@@ -188,7 +192,13 @@ fn axis_of(names: &[String], expected: Option<AxisKind>) -> Result<AxisKind, Com
         (None, Some(name), Some(AxisKind::Rotary)) => Err(wrong_axis(name, AxisKind::Linear)),
         (None, Some(_), _) => Ok(AxisKind::Linear),
         (Some(_), None, _) => Ok(AxisKind::Rotary),
-        (None, None, expected) => Ok(expected.unwrap_or(AxisKind::Rotary)),
+        // Columns in other units tell it too.
+        (None, None, expected) => {
+            let linear = |name: &String| {
+                matches!(units::quantity(name), Some(Quantity::Length | Quantity::Force | Quantity::Speed))
+            };
+            Ok(expected.unwrap_or(if names.iter().any(linear) { AxisKind::Linear } else { AxisKind::Rotary }))
+        }
     }
 }
 
@@ -228,6 +238,21 @@ mod tests {
         assert_eq!(error, "position_rad: required column is missing; is `positon_rad` meant to be it?");
         let error = resolve("t_s,t_s,position_rad,torque_cmd_nm", None).unwrap_err();
         assert_eq!(error, "t_s: column is there twice, as column 1 and column 2");
+        let error = resolve("t_ms,position_rad,torque_cmd_nm", None).unwrap_err();
+        assert_eq!(
+            error,
+            "t_s: required column is missing; `t_ms` is in ms: multiply its values by 0.001 and call it `t_s`, in s"
+        );
+        let error = resolve("t_s,position_mm,force_cmd_n", None).unwrap_err();
+        assert!(error.starts_with("position_m: required column is missing; `position_mm` is in mm: "), "{error}");
+        let error = resolve("time,position_mm,humidity", None).unwrap_err();
+        assert_eq!(
+            error,
+            "t_s, position_m, force_cmd_n: required columns are missing; t_s: is `time` meant to be it? It must be in s; \
+             position_m: `position_mm` is in mm: multiply its values by 0.001 and call it `position_m`, in m"
+        );
+        let error = resolve("a,b", None).unwrap_err();
+        assert!(error.starts_with("t_s, position_rad, torque_cmd_nm: ") && error.ends_with("has `a`, `b`"), "{error}");
         assert!(resolve("t_s;position_rad;torque_cmd_nm", None).unwrap_err().contains("separated by commas"));
         assert!(resolve("0,1,2", None).unwrap_err().contains("header row is missing"));
         assert!(resolve("t_s,,position_rad", None).unwrap_err().contains("column 2 has no name"));

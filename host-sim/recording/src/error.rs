@@ -57,12 +57,11 @@ impl Error {
         Self::Connection { place: place.to_owned(), message: message.to_string() }
     }
 
-    /// Process exit code: 2 for input that cannot be read or flags that cannot be followed, 1 for a failed output, 3 for
-    /// what a drive refused, 4 for no connection.
+    /// Process exit code: 2 for input that cannot be read, flags that cannot be followed and outputs that cannot be written, 3
+    /// for what a drive refused, 4 for no connection. 1 is no error: it tells a script the verdict it asked about.
     pub fn exit_code(&self) -> u8 {
         match self {
-            Self::Input { .. } | Self::Usage(_) => 2,
-            Self::Output { .. } => 1,
+            Self::Input { .. } | Self::Usage(_) | Self::Output { .. } => 2,
             Self::Refused { .. } => 3,
             Self::Connection { .. } => 4,
         }

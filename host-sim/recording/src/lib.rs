@@ -21,7 +21,9 @@ mod position_step;
 mod recording;
 mod recording_file;
 pub mod replay;
+mod schema;
 mod toml_section;
+mod units;
 mod values;
 pub mod vocabulary;
 

@@ -10,13 +10,16 @@ pub(crate) fn misspelt<'a>(word: &str, candidates: impl IntoIterator<Item = &'a 
     scored(word, candidates).filter(|(likeness, _)| *likeness >= 0.6).map(|(_, candidate)| candidate)
 }
 
-fn scored<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<(f64, &'a str)> {
+/// How alike two words are, 0 to 1, whatever the case of the first.
+pub(crate) fn likeness(word: &str, candidate: &str) -> f64 {
     // Comparing is quadratic in the length; no known word is longer than this, and a corrupt file may hold a huge one.
     let word: String = word.chars().take(64).collect::<String>().to_lowercase();
-    candidates
-        .into_iter()
-        .map(|candidate| (strsim::normalized_damerau_levenshtein(&word, candidate), candidate))
-        .max_by(|one, other| one.0.total_cmp(&other.0))
+    strsim::normalized_damerau_levenshtein(&word, candidate)
+}
+
+fn scored<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<(f64, &'a str)> {
+    let scored = candidates.into_iter().map(|candidate| (likeness(word, candidate), candidate));
+    scored.max_by(|one, other| one.0.total_cmp(&other.0))
 }
 
 /// A piece of the user's input as a message quotes it: one line, at most 40 characters.

@@ -6,6 +6,7 @@ use std::path::Path;
 
 use super::columns::Header;
 use super::nearest::misspelt;
+use super::units;
 use super::values::Values;
 use super::{AxisKind, Column, Mode, gaps};
 use crate::Error;
@@ -141,7 +142,10 @@ impl Recording {
             .extra
             .iter()
             .map(|(name, _)| {
-                let hint = misspelt(name, known).map_or_else(String::new, |near| format!("; is `{near}` meant?"));
+                let hint = misspelt(name, known).map_or_else(String::new, |near| {
+                    let unit = units::other_unit(name, near);
+                    if unit.is_empty() { format!("; is `{near}` meant?") } else { format!("; `{near}` is{unit}") }
+                });
                 format!("{}: column `{name}` is not one of the format and is not used{hint}", self.name)
             })
             .collect();

@@ -6,7 +6,8 @@ use std::path::Path;
 use toml::Spanned;
 use toml::de::{DeString, DeTable, DeValue};
 
-use super::nearest::{nearest, quoted};
+use super::nearest::quoted;
+use super::schema;
 use super::vocabulary::Allowed;
 use crate::Error;
 
@@ -78,14 +79,17 @@ impl<'a, 'i> Section<'a, 'i> {
         self.source.error(span, &format!("{}{key}", self.prefix), message)
     }
 
+    /// Its name in the schema: without indices and the full stop at the end.
+    fn path(&self) -> &str {
+        self.prefix.split('[').next().unwrap_or_default().trim_end_matches('.')
+    }
+
     /// Refuses the first key, in file order, that is not one of `known`.
     pub(crate) fn only(&self, known: &[&str]) -> Result<(), Error> {
         let stranger =
             self.table.keys().filter(|key| !known.contains(&key.get_ref().as_ref())).min_by_key(|key| key.span().start);
         stranger.map_or(Ok(()), |key| {
-            let near = nearest(key.get_ref(), known.iter().copied());
-            let hint = near.map_or_else(String::new, |near| format!("; the nearest key is `{near}`"));
-            let message = format!("unknown key{hint}");
+            let message = format!("unknown key; {}", schema::hint(self.path(), key.get_ref(), known));
             Err(self.error(&key.span(), quoted(key.get_ref()).trim_matches('`'), message))
         })
     }

@@ -161,7 +161,7 @@ fn a_failed_output_leaves_the_file_before_as_it_was() {
     });
     let error = failing.unwrap_err();
     assert_eq!(error.to_string(), format!("{}: cannot write: the disk is full", file.display()));
-    assert_eq!(error.exit_code(), 1);
+    assert_eq!(error.exit_code(), 2);
     assert_eq!(fs::read_to_string(&file).unwrap(), "before");
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1, "no temporary file is left");
     recording::output::write_text(&file, "after").unwrap();
@@ -172,7 +172,7 @@ fn a_failed_output_leaves_the_file_before_as_it_was() {
 fn outputs_that_cannot_be_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     let recording = three_rows();
-    for name in ["missing/out.csv", "out.txt", "out"] {
+    for name in ["out.txt", "out"] {
         let refused = recording.write(&folder.path().join(name));
         assert!(matches!(refused, Err(Error::Output { .. })), "{name}: {refused:?}");
     }
@@ -180,6 +180,20 @@ fn outputs_that_cannot_be_are_refused() {
     let error = recording.write(&folder.path().join("folder.csv")).unwrap_err();
     assert!(error.to_string().ends_with("folder.csv: cannot write: it is a folder"), "{error}");
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+}
+
+#[test]
+fn written_recordings_carry_the_mark_and_others_do_not() {
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["out.csv", "new/out.parquet"] {
+        let file = folder.path().join(name);
+        three_rows().write(&file).unwrap();
+        assert!(recording::output::mark::is_marked(&file).unwrap(), "{name}");
+        assert_eq!(Recording::read(&file, None).unwrap().position, [0.0, 0.1, 0.3]);
+    }
+    let other = folder.path().join("other.csv");
+    fs::write(&other, "t_s,position_rad,torque_cmd_nm\n0,0,0\n").unwrap();
+    assert!(!recording::output::mark::is_marked(&other).unwrap());
 }
 
 #[cfg(unix)]

@@ -143,7 +143,7 @@ impl Laws {
         // What bends over speed is taken at the speed in the middle of the substep.
         let sliding = w + half * (torque - viscous * w);
         let between = if sliding.abs() > held { sliding - held.copysign(sliding) } else { 0.0 };
-        viscous += self.friction.quadratic() * between.abs();
+        viscous += self.friction.quadratic_coefficient() * between.abs();
         let decay = viscous / self.inertia * dt_s;
         let kept = if decay > 0.0 { (-decay).exp() } else { 1.0 };
         let gain = if decay > 1e-9 { (1.0 - kept) / viscous } else { dt_s / self.inertia };
@@ -238,6 +238,15 @@ impl Laws {
         self.stir(p, step.dt_s, white);
         p[COLOURED][COLOURED] += noise.colour_variance;
         Linear { jacobian, speed_sd, twist_sd }
+    }
+
+    /// Widens a covariance over a substep along a linearised path.
+    pub(crate) fn widen<const N: usize>(&self, p: &mut [[f64; N]; N], linear: &Linear<N>, dt_s: f64, noise: &StepNoise) {
+        spread(p, &linear.jacobian);
+        // Speed that a torque of one gives, where the rotor slides.
+        let gain = linear.jacobian[SPEED][COLOURED];
+        self.stir(p, dt_s, gain * gain * noise.torque_variance);
+        p[COLOURED][COLOURED] += noise.colour_variance;
     }
 
     /// d free speed / d state.

@@ -70,6 +70,8 @@ struct StoredRow<const N: usize> {
     /// Kalman gain; zeros where the sample did not pull in proportion.
     gain: [f64; N],
     counted: bool,
+    /// Of the state behind the sample.
+    covariance: [[f64; N]; N],
 }
 
 /// One recording with what acts in it.
@@ -214,7 +216,7 @@ impl Prepared {
             found.coloured.push(x[COLOURED]);
             if let Some(stored) = keep.as_deref_mut() {
                 let gain = if pull < 0.5 { [0.0; N] } else { gain };
-                stored.rows.push(StoredRow { position: found.position[row - range.start], slope, per_sd, gain, counted });
+                stored.rows.push(StoredRow { position: found.position[row - range.start], slope, per_sd, gain, counted, covariance: p });
             }
             if row + 1 == range.end {
                 break;
@@ -273,19 +275,24 @@ impl Prepared {
         }
     }
 
-    /// Recorded minus simulated position of windows of `horizon` rows, each from the state that the pass estimated at its
-    /// start, one a row behind each start; empty across skipped rows.
-    pub(crate) fn windows(&self, path: &Path, driven: Driven<'_>, horizon: usize) -> Vec<(usize, Vec<f64>)> {
+    /// Windows of `horizon` rows, each simulated from the state that the pass estimated at its start; none across skipped rows.
+    pub(crate) fn windows(&self, path: &Path, driven: Driven<'_>, noise: &Noise, horizon: usize) -> Vec<Window> {
         match path {
-            Path::Three(stored) => self.simulated(stored, driven, horizon),
-            Path::Four(stored) => self.simulated(stored, driven, horizon),
-            Path::Five(stored) => self.simulated(stored, driven, horizon),
-            Path::Six(stored) => self.simulated(stored, driven, horizon),
-            Path::Seven(stored) => self.simulated(stored, driven, horizon),
+            Path::Three(stored) => self.simulated(stored, driven, noise, horizon),
+            Path::Four(stored) => self.simulated(stored, driven, noise, horizon),
+            Path::Five(stored) => self.simulated(stored, driven, noise, horizon),
+            Path::Six(stored) => self.simulated(stored, driven, noise, horizon),
+            Path::Seven(stored) => self.simulated(stored, driven, noise, horizon),
         }
     }
 
-    fn simulated<const N: usize>(&self, stored: &Stored<N>, driven: Driven<'_>, horizon: usize) -> Vec<(usize, Vec<f64>)> {
+    fn simulated<const N: usize>(
+        &self,
+        stored: &Stored<N>,
+        driven: Driven<'_>,
+        noise: &Noise,
+        horizon: usize,
+    ) -> Vec<Window> {
         let Driven { recorded, grid, acting, .. } = driven;
         let mut windows = Vec::new();
         let mut start = stored.rows.iter().position(|row| row.counted).unwrap_or(stored.rows.len());
@@ -293,16 +300,24 @@ impl Prepared {
             let end = start + horizon;
             if stored.rows[start..=end].iter().all(|row| row.counted) {
                 let mut x = stored.steps[grid.first[start] as usize].from;
+                let mut p = stored.rows[start].covariance;
                 // A force that only the estimate of the noise knows is no part of the model.
                 x[COLOURED] = 0.0;
-                let mut errors = Vec::with_capacity(horizon);
+                for i in 0..N {
+                    (p[COLOURED][i], p[i][COLOURED]) = (0.0, 0.0);
+                }
+                p[COLOURED][COLOURED] = noise.colour_sd * noise.colour_sd;
+                let mut window = Window { start, rows: horizon, squares: 0.0, expected: 0.0 };
                 for row in start..end {
+                    let step_noise = noise.over(grid.dt_s[row]);
                     for index in grid.first[row] as usize..grid.first[row + 1] as usize {
                         x = self.laws.mean(&x, &Substep::of(acting, index, grid.dt_s[row]), CERTAIN, CERTAIN);
+                        self.laws.widen(&mut p, &stored.steps[index].linear, grid.dt_s[row], &step_noise);
                     }
-                    errors.push(recorded.position[row + 1] - self.seen(x[POSITION]).0);
+                    window.squares += (recorded.position[row + 1] - self.seen(x[POSITION]).0).powi(2);
+                    window.expected += p[POSITION][POSITION] + noise.sensor_sd * noise.sensor_sd;
                 }
-                windows.push((start, errors));
+                windows.push(window);
             }
             start = end;
         }
@@ -412,6 +427,19 @@ fn adjoint<const N: usize>(stored: &Stored<N>, innovations: &Innovations, grid: 
         a[POSITION] += kept.slope * (own - pulled);
     }
     missing
+}
+
+/// One window.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Window {
+    /// First row.
+    pub(crate) start: usize,
+    /// Number of rows.
+    pub(crate) rows: usize,
+    /// Sum of squares of recorded minus simulated position, rad^2 (m^2).
+    pub(crate) squares: f64,
+    /// The same as the noise and the estimated start let expect.
+    pub(crate) expected: f64,
 }
 
 /// Standard deviation of a state that is simulated and not estimated: none, but for the closed forms' division.

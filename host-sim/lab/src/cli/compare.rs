@@ -1,8 +1,11 @@
 //! `servo-lab compare`.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
+use super::Overwrite;
 use crate::effects::Physics;
+use crate::output::Output;
+use crate::precheck::{self, Purpose};
 use crate::read::{Machine, Recording};
 use crate::refit::model;
 use crate::report::compare::Comparison;
@@ -20,6 +23,8 @@ pub struct Args {
     /// Folder for the pictures, one SVG a recording.
     #[arg(long, value_name = "DIR", default_value = ".")]
     plots: PathBuf,
+    #[command(flatten)]
+    overwrite: Overwrite,
 }
 
 /// Compares every recording with the model, prints the figures, writes the pictures.
@@ -27,9 +32,18 @@ pub struct Args {
 /// # Errors
 /// Files that cannot be read, recordings too short for a window, pictures that cannot be written.
 pub fn run(args: &Args) -> Result<(), Error> {
+    let mut files = args.overwrite.files();
+    files.reads(&args.machine);
+    files.reads_all(&args.recordings);
+    let picture = |recording: &PathBuf| {
+        args.plots.join(format!("compare-{}.svg", recording.file_stem().unwrap_or_default().to_string_lossy()))
+    };
+    let pictures: Vec<Output> = args.recordings.iter().map(|recording| files.writes(&picture(recording))).collect();
+    let mut outputs = files.check()?;
     let machine = Machine::read(&args.machine)?;
     let recordings: Vec<Recording> =
         args.recordings.iter().map(|file| Recording::read(file, Some(machine.axis.kind))).collect::<Result<_, _>>()?;
+    let warnings = precheck::warnings(&machine, &recordings, &[], Purpose::Compare)?;
     let names: Vec<&str> = recordings.iter().map(|recording| recording.name.as_str()).collect();
     let physics = Physics::of(&machine, &names)?;
     // All of them before the first picture: bad input writes nothing.
@@ -38,13 +52,13 @@ pub fn run(args: &Args) -> Result<(), Error> {
         .enumerate()
         .map(|(index, recording)| Comparison::new(&model(&physics, index), &machine.axis, recording))
         .collect::<Result<_, _>>()?;
-    for (recording, comparison) in recordings.iter().zip(&comparisons) {
-        let notes: String = recording.notes().iter().map(|note| format!("note: {note}\n")).collect();
-        output::print(&format!("{notes}{comparison}"))?;
-        let stem = Path::new(&recording.name).file_stem().unwrap_or_default().to_string_lossy();
-        let file = args.plots.join(format!("compare-{stem}.svg"));
-        comparison.figure(&format!("{} without what {} left out", recording.name, machine.name)).write(&file)?;
-        output::print(&format!("wrote {}\n", file.display()))?;
+    let mut text: String = warnings.iter().map(|warning| format!("warning: {warning}\n")).collect();
+    for ((recording, comparison), picture) in recordings.iter().zip(&comparisons).zip(pictures) {
+        text.extend(recording.notes().iter().map(|note| format!("note: {note}\n")));
+        let figure = comparison.figure(&format!("{} without what {} left out", recording.name, machine.name));
+        output::figure(&mut outputs, picture, &figure)?;
+        text += &format!("{comparison}wrote {}\n", outputs.file(picture).display());
     }
-    Ok(())
+    outputs.finish()?;
+    output::print(&text)
 }

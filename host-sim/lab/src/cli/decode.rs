@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use er_servo::Config;
 use wire::log::Recording as Run;
 
+use super::Overwrite;
 use crate::decode::{other_parameters, recording, runs};
 use crate::{Error, output};
 
@@ -23,6 +24,8 @@ pub struct Args {
     /// Where the recording goes, `.csv` or `.parquet`; without it, CSV on standard output.
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
+    #[command(flatten)]
+    overwrite: Overwrite,
 }
 
 /// Decodes one run of the log; the summary goes to standard error.
@@ -30,12 +33,16 @@ pub struct Args {
 /// # Errors
 /// Files that cannot be read, a log of another image, a run that is not there.
 pub fn run(args: &Args) -> Result<(), Error> {
+    let mut files = args.overwrite.files();
+    files.reads_all([&args.elf, &args.log]);
+    let out = args.out.as_ref().map(|file| files.writes(file));
+    let mut outputs = files.check()?;
     let (elf, log) = (bytes(&args.elf)?, bytes(&args.log)?);
     let runs = runs(&elf, &log).map_err(|message| Error::input(&args.log, None, "", message))?;
     let run = choose(&runs, args)?;
     let recording = recording(&args.log.display().to_string(), &run.begin, &run.frames);
-    match &args.out {
-        Some(file) => recording.write(file)?,
+    match out {
+        Some(out) => outputs.recording(out, &recording).and_then(|()| outputs.finish())?,
         None => output::print(&recording.to_csv()?)?,
     }
     eprintln!(

@@ -1,18 +1,25 @@
 //! `servo-lab diagnose`.
 
-use std::io::Write as _;
 use std::path::{Path, PathBuf};
+use std::process::ExitCode;
 
+use super::{EXIT_CODES, Overwrite};
 use crate::Error;
 use crate::decide::{Request, diagnose};
 use crate::effects::{self, Effect};
+use crate::output::{self, Output, Outputs, Provenance, formats};
+use crate::precheck::{self, Purpose};
+use crate::propose;
 use crate::read::{Machine, Recording};
-use crate::report::Answer;
 use crate::report::html::{PlotData, page};
-use crate::{output, propose, report};
+use crate::report::{self, Answer, Verdict};
+
+/// Every draw of a diagnosis begins with it, so that it gives the same answer twice.
+const SEED: u64 = 1;
 
 /// Flags of `diagnose`.
 #[derive(Debug, clap::Args)]
+#[command(after_help = EXIT_CODES)]
 pub struct Args {
     /// Machine file: the nominal model.
     #[arg(long, value_name = "FILE")]
@@ -26,7 +33,7 @@ pub struct Args {
     /// Writes the answer as one page that opens in a browser.
     #[arg(long, value_name = "FILE")]
     html: Option<PathBuf>,
-    /// Writes the machine file with the effects added, a model like any other.
+    /// Writes the machine file with the effects added, a model like any other; effects that are not believed are refused.
     #[arg(long, value_name = "FILE")]
     write_model: Option<PathBuf>,
     /// Writes the reference to record next as CSV, where the verdict is ambiguous.
@@ -38,22 +45,37 @@ pub struct Args {
     /// Never names these effects; separated by commas.
     #[arg(long, value_name = "ID", value_delimiter = ',')]
     without: Vec<String>,
+    /// Ends with exit code 1 where the verdict is one of these; separated by commas.
+    #[arg(long, value_enum, value_name = "VERDICT", value_delimiter = ',')]
+    fail_on: Vec<Verdict>,
     /// Threads; as many as there are cores by default.
     #[arg(long, value_name = "N")]
     jobs: Option<usize>,
     /// Prints on standard error how long each stage took.
     #[arg(long)]
     stages: bool,
+    #[command(flatten)]
+    overwrite: Overwrite,
     /// Recordings to diagnose, CSV or Parquet.
     #[arg(required = true, value_name = "RECORDING")]
     recordings: Vec<PathBuf>,
 }
 
-/// Diagnoses the recordings; every verdict is success.
+/// The outputs that were asked for.
+struct Asked {
+    json: Option<Output>,
+    html: Option<Output>,
+    model: Option<Output>,
+    experiment: Option<Output>,
+}
+
+/// Diagnoses the recordings; every verdict is success but those of `--fail-on`.
 ///
 /// # Errors
-/// Files that cannot be read, effects that do not exist, outputs that cannot be written.
-pub fn run(args: &Args) -> Result<(), Error> {
+/// Files that cannot be read, effects that do not exist, data that nothing can be computed from, outputs that cannot be
+/// written.
+pub fn run(args: &Args) -> Result<ExitCode, Error> {
+    let (asked, mut outputs) = args.files()?;
     if let Some(jobs) = args.jobs {
         rayon::ThreadPoolBuilder::new()
             .num_threads(jobs)
@@ -66,44 +88,78 @@ pub fn run(args: &Args) -> Result<(), Error> {
         files.iter().map(|file| Recording::read(file, Some(machine.axis.kind))).collect()
     };
     let (recordings, holdout) = (read(&args.recordings)?, read(&args.holdout)?);
+    let warnings = precheck::warnings(&machine, &recordings, &holdout, Purpose::Diagnose)?;
     let request = Request { machine: &machine, recordings: &recordings, holdout: &holdout, vocabulary: &vocabulary };
     let mut diagnosis = diagnose(&request)?;
+    diagnosis.answer.warnings.splice(0..0, warnings);
     if args.stages {
         diagnosis.stages.taken().iter().for_each(|(stage, took)| eprintln!("{stage:24} {:7.3} s", took.as_secs_f64()));
     }
-    if let (Some(file), Some(proposal), Some(experiment)) =
-        (&args.experiment, &diagnosis.proposal, &mut diagnosis.answer.experiment)
-    {
-        propose::write_reference(file, machine.axis.kind, &proposal.reference)?;
-        experiment.reference_csv = Some(file.display().to_string());
+    if let (Some(output), Some(proposal), Some(experiment)) = (
+        asked.experiment,
+        diagnosis.proposal.as_ref().filter(|proposal| !proposal.reference.is_empty()),
+        &mut diagnosis.answer.experiment,
+    ) {
+        let text = propose::reference_csv(machine.axis.kind, &proposal.reference);
+        output::text(&mut outputs, output, &text)?;
+        experiment.reference_csv = Some(outputs.file(output).display().to_string());
     }
-    if let Some(file) = &args.html {
-        let plot = PlotData::new(&diagnosis, &recordings, &holdout)?;
-        output::write_text(file, &page(&machine.name, &diagnosis.answer, &plot)?)?;
+    if let Some(html) = asked.html {
+        let (plot, made) = (PlotData::new(&diagnosis, &recordings, &holdout)?, Provenance::of(&outputs, Some(SEED))?);
+        let page = page(&machine.name, &diagnosis.answer, &plot, &made)?;
+        output::text(&mut outputs, html, &formats::markup(&page))?;
     }
-    write(args, &diagnosis.answer)
+    args.write(&asked, &mut outputs, &diagnosis.answer)?;
+    Ok(if args.fail_on.contains(&diagnosis.answer.verdict) { ExitCode::from(1) } else { ExitCode::SUCCESS })
 }
 
-/// The answer where it was asked for: JSON, machine file, and in words unless the JSON goes to standard output.
-fn write(args: &Args, answer: &Answer) -> Result<(), Error> {
-    let to_stdout = args.json.as_deref() == Some(Path::new("-"));
-    if let Some(file) = &args.json {
-        let text = serde_json::to_string_pretty(answer)
-            .map_err(|error| Error::Output { file: file.clone(), reason: error.to_string() })?;
-        if to_stdout {
-            println!("{text}");
-        } else {
-            output::write(file, |out| writeln!(out, "{text}"))?;
+impl Args {
+    /// Whether the answer as JSON goes to standard output, and nothing else does.
+    fn to_stdout(&self) -> bool {
+        self.json.as_deref() == Some(Path::new("-"))
+    }
+
+    fn files(&self) -> Result<(Asked, Outputs), Error> {
+        let mut files = self.overwrite.files();
+        files.reads(&self.machine);
+        files.reads_all(self.recordings.iter().chain(&self.holdout));
+        let mut writes = |file: &Option<PathBuf>| file.as_ref().map(|file| files.writes(file));
+        let asked = Asked {
+            json: if self.to_stdout() { None } else { writes(&self.json) },
+            html: writes(&self.html),
+            model: writes(&self.write_model),
+            experiment: writes(&self.experiment),
+        };
+        Ok((asked, files.check()?))
+    }
+
+    /// The answer where it was asked for: JSON, machine file, and in words unless the JSON goes to standard output.
+    fn write(&self, asked: &Asked, outputs: &mut Outputs, answer: &Answer) -> Result<(), Error> {
+        let json = match &self.json {
+            Some(_) => Some(formats::json(answer, &Provenance::of(outputs, Some(SEED))?)?),
+            None => None,
+        };
+        if let (Some(output), Some(text)) = (asked.json, &json) {
+            output::text(outputs, output, text)?;
         }
+        let model = asked.model.map_or(Ok(()), |model| self.write_model(model, outputs, answer));
+        outputs.finish()?;
+        match json.filter(|_| self.to_stdout()) {
+            Some(text) => output::print(&text)?,
+            None => output::print(&report::summary(answer))?,
+        }
+        model
     }
-    if let Some(file) = &args.write_model {
-        let text = report::improved_machine(&read_text(&args.machine)?, answer);
-        output::write(file, |out| out.write_all(text.as_bytes()))?;
+
+    /// The machine file with the effects; effects that are not believed only with `--force`.
+    fn write_model(&self, model: Output, outputs: &mut Outputs, answer: &Answer) -> Result<(), Error> {
+        if !answer.verdict.believes_its_effects() && !answer.effects.is_empty() && !self.overwrite.force {
+            let reason = "the verdict is unknown, and what was fitted is not believed; --force writes it all the same";
+            return Err(Error::Output { file: outputs.file(model).to_path_buf(), reason: reason.to_owned() });
+        }
+        let improved = report::improved_machine(&read_text(&self.machine)?, answer);
+        output::text(outputs, model, &formats::toml(&improved))
     }
-    if !to_stdout {
-        print!("{}", report::summary(answer));
-    }
-    Ok(())
 }
 
 fn read_text(file: &Path) -> Result<String, Error> {

@@ -2,7 +2,10 @@
 
 use std::path::PathBuf;
 
+use super::Overwrite;
+use crate::effects::Effect;
 use crate::guide::{Guide, markdown};
+use crate::output::{Output, formats};
 use crate::{Error, effects, output};
 
 /// Flags of `guide`.
@@ -14,6 +17,8 @@ pub struct Args {
     /// Pages of these effects only; separated by commas.
     #[arg(long, value_name = "ID", value_delimiter = ',')]
     only: Vec<String>,
+    #[command(flatten)]
+    overwrite: Overwrite,
 }
 
 /// Computes the guide, writes pictures and table, prints the table.
@@ -24,14 +29,20 @@ pub fn run(args: &Args) -> Result<(), Error> {
     if let Some(id) = args.only.iter().find(|id| effects::find(id).is_none()) {
         return Err(Error::Usage(format!("there is no effect `{id}`")));
     }
-    output::folder(&args.out)?;
+    let mut files = args.overwrite.files();
+    let picture = |effect: &&Effect| (effect.id, files.writes(&args.out.join(format!("{}.svg", effect.id))));
+    let pictures: Vec<(&str, Output)> = effects::VOCABULARY.iter().map(picture).collect();
+    let guide = files.writes(&args.out.join("guide.md"));
+    let mut outputs = files.check()?;
     let pages = Guide::default().pages(&args.only);
     for page in &pages {
-        if let Some(figure) = &page.figure {
-            figure.write(&args.out.join(format!("{}.svg", page.id)))?;
+        let picture = pictures.iter().find(|(id, _)| *id == page.id);
+        if let (Some(figure), Some((_, picture))) = (&page.figure, picture) {
+            output::figure(&mut outputs, *picture, figure)?;
         }
     }
     let table = markdown(&pages);
-    output::write_text(&args.out.join("guide.md"), &table)?;
+    output::text(&mut outputs, guide, &formats::markdown(&table))?;
+    outputs.finish()?;
     output::print(&table)
 }

@@ -18,10 +18,7 @@ use crate::{Error, output};
 
 /// Flags of `link`.
 #[derive(Debug, clap::Args)]
-#[command(
-    after_help = "Exit codes: 0 done, 2 flags or values that cannot be, 3 refused by the drive, 4 no connection or \
-                        no answer."
-)]
+#[command(after_help = super::EXIT_CODES)]
 pub struct Args {
     #[command(flatten)]
     line: LineArgs,

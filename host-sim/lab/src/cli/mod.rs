@@ -15,11 +15,24 @@ mod simulate;
 mod stability;
 mod tune;
 
+use std::process::ExitCode;
+
 use crate::Error;
+use crate::output::Files;
+
+/// What the process ends with, for `--help`.
+const EXIT_CODES: &str = "\
+Exit codes:
+  0  done; of diagnose: whatever the verdict
+  1  diagnose: the verdict is one that --fail-on lists
+  2  an input that cannot be read, flags that cannot be followed, an output that cannot be written; the files
+     that were there are untouched
+  3  link: the drive refused
+  4  link, record: no connection, or no answer";
 
 /// Simulate, replay, compare and diagnose recordings of the servo.
 #[derive(Debug, clap::Parser)]
-#[command(name = "servo-lab", version)]
+#[command(name = "servo-lab", version, after_help = EXIT_CODES)]
 pub struct Cli {
     #[command(subcommand)]
     command: Command,
@@ -55,20 +68,35 @@ enum Command {
     Demo(demo::Args),
 }
 
+/// Flag of the commands that write files.
+#[derive(Debug, Clone, Copy, clap::Args)]
+struct Overwrite {
+    /// Replaces outputs that are there though servo-lab did not write them, and writes a model that is not believed.
+    #[arg(long)]
+    force: bool,
+}
+
+impl Overwrite {
+    /// The files of this run, none yet.
+    fn files(self) -> Files {
+        Files::new(self.force)
+    }
+}
+
 impl Cli {
     /// Carries the command out.
     ///
     /// # Errors
     /// Input that cannot be read, flags that cannot be followed, an output that cannot be written.
-    pub fn run(&self) -> Result<(), Error> {
+    pub fn run(&self) -> Result<ExitCode, Error> {
         match &self.command {
+            Command::Diagnose(args) => return diagnose::run(args),
             Command::Simulate(args) => simulate::run(args),
             Command::Replay(args) => replay::run(args),
             Command::Compare(args) => compare::run(args),
             Command::Decode(args) => decode::run(args),
             Command::Record(args) => record::run(args),
             Command::Link(args) => link::run(args),
-            Command::Diagnose(args) => diagnose::run(args),
             Command::Prove(args) => prove::run(args),
             Command::Stability(args) => stability::run(args),
             Command::Paper(args) => paper::run(args),
@@ -76,5 +104,6 @@ impl Cli {
             Command::Guide(args) => guide::run(args),
             Command::Demo(args) => demo::run(args),
         }
+        .map(|()| ExitCode::SUCCESS)
     }
 }

@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use super::Overwrite;
+use crate::output::{Output, formats};
 use crate::paper::{figures, reproduce, table};
 use crate::{Error, output};
 
@@ -11,6 +13,8 @@ pub struct Args {
     /// Folder for the figures and the table; made if it is not there.
     #[arg(long, value_name = "DIR", default_value = "out/paper")]
     out: PathBuf,
+    #[command(flatten)]
+    overwrite: Overwrite,
 }
 
 /// Reproduces the paper, writes figures and table, prints the table.
@@ -18,13 +22,18 @@ pub struct Args {
 /// # Errors
 /// Outputs that cannot be written.
 pub fn run(args: &Args) -> Result<(), Error> {
-    output::folder(&args.out)?;
+    let mut files = args.overwrite.files();
+    let picture = |name: &'static str| (name, files.writes(&args.out.join(name)));
+    let pictures: Vec<(&str, Output)> = figures::FILES.into_iter().map(picture).collect();
+    let claims = files.writes(&args.out.join("claims.md"));
+    let mut outputs = files.check()?;
     let paper = reproduce()?;
-    for named in &paper.figures {
-        named.figure.write(&args.out.join(named.file))?;
+    for (name, picture) in pictures {
+        let named = paper.figures.iter().find(|named| named.file == name);
+        named.map_or(Ok(()), |named| output::figure(&mut outputs, picture, &named.figure))?;
     }
-    let file = args.out.join("claims.md");
-    output::write_text(&file, &table::markdown(&paper))?;
+    output::text(&mut outputs, claims, &formats::markdown(&table::markdown(&paper)))?;
+    outputs.finish()?;
     output::print(&format!(
         "{}{} figures and claims.md written to {}\n{}.\n",
         table::plain(&paper),

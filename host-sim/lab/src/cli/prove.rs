@@ -1,11 +1,13 @@
 //! `servo-lab prove`.
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Duration;
 
 use conceal::plan::{Arm, Blueprint, plan};
 
+use super::Overwrite;
+use crate::output::{Output, Outputs, Provenance, formats};
 use crate::prove::results::{self, Origin, Results};
 use crate::prove::run::{self, Ran, Settings};
 use crate::prove::tool::Tool;
@@ -81,6 +83,8 @@ pub struct Args {
     /// Writes the report as Markdown, with the command and the build that made it.
     #[arg(long, value_name = "FILE")]
     write_results: Option<PathBuf>,
+    #[command(flatten)]
+    overwrite: Overwrite,
 }
 
 fn shard(text: &str) -> Result<(u64, u64), String> {
@@ -99,28 +103,49 @@ pub fn run(args: &Args) -> Result<(), Error> {
         return output::print(&format!("{} cases written, {}/ARM/SEED each\n", seeds.len(), folder.display()));
     }
     let settings = args.settings()?;
+    let (asked, mut outputs) = args.files()?;
     if args.real {
-        return args.prove_real(&settings);
+        return args.prove_real(&settings, &asked, outputs);
     }
     let ran = if args.merge.is_empty() { args.prove(&settings)? } else { run::merged(&args.merge)? };
     let score = Score::of(&ran);
     let printed = text::report(&score, &ran.outcomes);
-    if args.json.is_some() || args.html.is_some() || args.write_results.is_some() {
+    if !asked.is_nothing() {
         let origin = Origin::now(&settings.tool.program, &ran)?;
+        let made = Provenance::of(&outputs, Some(origin.seeds[0]))?;
         let results = Results { origin, score, outcomes: ran.outcomes };
-        args.json.as_ref().map_or(Ok(()), |file| json(file, &results))?;
-        args.html.as_ref().map_or(Ok(()), |file| output::write_text(file, &page::page(&results)?))?;
-        args.write_results.as_ref().map_or(Ok(()), |file| output::write_text(file, &results::document(&results)))?;
+        let document = || formats::markdown(&results::document(&results));
+        asked.json.map_or(Ok(()), |json| output::text(&mut outputs, json, &formats::json(&results, &made)?))?;
+        let page = || Ok::<_, Error>(formats::markup(&page::page(&results, &made)?));
+        asked.html.map_or(Ok(()), |html| output::text(&mut outputs, html, &page()?))?;
+        asked.results.map_or(Ok(()), |results| output::text(&mut outputs, results, &document()))?;
+        outputs.finish()?;
     }
     output::print(&printed)
 }
 
-fn json(file: &Path, content: &impl serde::Serialize) -> Result<(), Error> {
-    let text = serde_json::to_string_pretty(content).map_err(|error| Error::Usage(error.to_string()))?;
-    output::write_text(file, &text)
+/// The reports that were asked for.
+struct Asked {
+    json: Option<Output>,
+    html: Option<Output>,
+    results: Option<Output>,
+}
+
+impl Asked {
+    fn is_nothing(&self) -> bool {
+        self.json.is_none() && self.html.is_none() && self.results.is_none()
+    }
 }
 
 impl Args {
+    fn files(&self) -> Result<(Asked, Outputs), Error> {
+        let mut files = self.overwrite.files();
+        files.reads_all(&self.program);
+        let mut writes = |file: &Option<PathBuf>| file.as_ref().map(|file| files.writes(file));
+        let asked = Asked { json: writes(&self.json), html: writes(&self.html), results: writes(&self.write_results) };
+        Ok((asked, files.check()?))
+    }
+
     fn settings(&self) -> Result<Settings, Error> {
         let own =
             || std::env::current_exe().map_err(|error| Error::Usage(format!("the tool cannot find itself: {error}")));
@@ -148,12 +173,18 @@ impl Args {
         run::run(&seeds, settings)
     }
 
-    fn prove_real(&self, settings: &Settings) -> Result<(), Error> {
+    fn prove_real(&self, settings: &Settings, asked: &Asked, mut outputs: Outputs) -> Result<(), Error> {
         let (outcomes, skipped) = real::run(&self.data, &settings.out, &settings.tool);
-        self.json.as_ref().map_or(Ok(()), |file| json(file, &outcomes))?;
-        if let Some(file) = &self.write_results {
-            output::write_text(file, &results::real_document(&outcomes, &skipped))?;
+        if let Some(json) = asked.json {
+            let content = serde_json::json!({ "outcomes": outcomes, "skipped": skipped });
+            let text = formats::json(&content, &Provenance::of(&outputs, None)?)?;
+            output::text(&mut outputs, json, &text)?;
         }
+        if let Some(results) = asked.results {
+            let document = results::real_document(&outcomes, &skipped);
+            output::text(&mut outputs, results, &formats::markdown(&document))?;
+        }
+        outputs.finish()?;
         let skipped: String = skipped.iter().map(|line| format!("{line}\n")).collect();
         output::print(&(text::aligned(&real::table(&outcomes)) + &skipped))
     }

@@ -5,10 +5,10 @@ use std::time::Duration;
 
 use wire::log::Image;
 
+use super::Overwrite;
 use super::decode::note_parameters;
 use super::link::seconds;
 use crate::interrupt::Interrupt;
-use crate::output::Growing;
 use crate::record::{Ended, Origin, Wanted, record};
 use crate::{Error, output};
 
@@ -29,6 +29,8 @@ pub struct Args {
     /// End after this time, s; without it, when the drive ends the recording, or with Ctrl-C.
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     for_s: Option<Duration>,
+    #[command(flatten)]
+    overwrite: Overwrite,
 }
 
 #[derive(Debug, clap::Args)]
@@ -83,10 +85,15 @@ impl Args {
 /// Files that cannot be read or written, nobody at the address, a log of another image, a run that did not begin, a log that
 /// broke off.
 pub fn run(args: &Args) -> Result<(), Error> {
+    let mut files = args.overwrite.files();
+    files.reads(&args.elf);
+    files.reads_all(&args.from.log);
+    let out = files.writes(&args.out);
+    let outputs = files.check()?;
     let unreadable = |message: String| Error::input(&args.elf, None, "", message);
     let elf = std::fs::read(&args.elf).map_err(|error| unreadable(format!("cannot open: {error}")))?;
     let image = Image::parse(&elf).map_err(|error| unreadable(error.to_string()))?;
-    let out = Growing::create(&args.out)?;
+    let out = outputs.growing(out)?;
     let wanted = Wanted { run: args.run, duration: args.for_s };
     let (summary, ended) = record(&image, &args.origin(&elf)?, &wanted, out, &Interrupt::watch()?)?;
     eprintln!("{summary}");

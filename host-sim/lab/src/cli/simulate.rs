@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use er_servo::experiment::{Experiment, Shape};
 
+use super::Overwrite;
 use super::machine::MachineArgs;
 use crate::simulate::{Disturbance, Reference, Scenario, Setup, Summary, period_s, record, run as run_loop};
 use crate::{Error, output};
@@ -69,6 +70,8 @@ pub struct Args {
     /// Recording to write, .csv or .parquet; without one, only the summary is printed.
     #[arg(long, short, value_name = "FILE", value_parser = recording_name)]
     out: Option<PathBuf>,
+    #[command(flatten)]
+    overwrite: Overwrite,
 }
 
 /// Refused before the run, and not after it.
@@ -96,6 +99,10 @@ fn disturbance(text: &str) -> Result<Disturbance, String> {
 /// # Errors
 /// Flags or files that cannot be followed, or an output that cannot be written.
 pub fn run(args: &Args) -> Result<(), Error> {
+    let mut files = args.overwrite.files();
+    files.reads_all(args.machine.machine.iter().chain(&args.reference));
+    let out = args.out.as_ref().map(|file| files.writes(file));
+    let mut outputs = files.check()?;
     let (model, config) = args.machine.build()?;
     let scenario = args.scenario()?;
     let setup = Setup {
@@ -108,9 +115,11 @@ pub fn run(args: &Args) -> Result<(), Error> {
     };
     let period_s = period_s(&config);
     let rows = run_loop(&setup, scenario.reference.positions(period_s)?)?;
-    if let Some(file) = &args.out {
+    if let Some(out) = out {
+        let file = outputs.file(out).to_path_buf();
         let name = file.file_name().unwrap_or_default().to_string_lossy();
-        record(&name, &rows).write(file)?;
+        outputs.recording(out, &record(&name, &rows))?;
+        outputs.finish()?;
         output::print(&format!("wrote {}: {} rows, seed {}\n", file.display(), rows.len(), args.seed))?;
     }
     output::print(&Summary::of(&rows, period_s).to_string())?;

@@ -4,12 +4,13 @@ mod figure;
 mod text;
 
 use std::fmt::Display;
-use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use er_servo::Config;
 
+use super::Overwrite;
+use crate::output::{Provenance, formats};
 use crate::read::Machine;
 use crate::stability::analysis::{Setting, analyse};
 use crate::stability::region::Window;
@@ -66,6 +67,8 @@ pub struct StabilityArgs {
     /// Draw the stable regions, as Fig. 9 of the paper
     #[arg(long, value_name = "FILE.svg")]
     plot: Option<PathBuf>,
+    #[command(flatten)]
+    overwrite: Overwrite,
 }
 
 /// Runs the command.
@@ -73,22 +76,27 @@ pub struct StabilityArgs {
 /// # Errors
 /// [`Error::Usage`] for values the analysis is not defined for, [`Error::Output`] for a file that cannot be written.
 pub fn run(args: &StabilityArgs) -> Result<(), Error> {
+    let mut files = args.overwrite.files();
+    files.reads_all(&args.machine);
+    let to_stdout = args.json.as_deref() == Some(Path::new("-"));
+    let json = args.json.as_ref().filter(|_| !to_stdout).map(|file| files.writes(file));
+    let plot = args.plot.as_ref().map(|file| files.writes(file));
+    let mut outputs = files.check()?;
     let (closed, setting) = case(args)?;
     let (analysis, regions) = analyse(&closed, &setting).map_err(usage)?;
-    if let Some(file) = &args.plot {
-        let figure = figure::draw(&analysis, &regions).map_err(|reason| cannot_write(file, reason))?;
-        output::write(file, |to| to.write_all(figure.as_bytes()))?;
+    if let Some(plot) = plot {
+        let figure = figure::draw(&analysis, &regions).map_err(|reason| cannot_write(outputs.file(plot), reason))?;
+        output::text(&mut outputs, plot, &formats::markup(&figure))?;
     }
-    let json = args.json.as_deref().map(|file| (file, file == Path::new("-")));
-    if let Some((file, to_stdout)) = json {
-        let mut text = serde_json::to_string_pretty(&analysis).map_err(|reason| cannot_write(file, reason))?;
-        text.push('\n');
-        if to_stdout { print(&text)? } else { output::write(file, |to| to.write_all(text.as_bytes()))? }
+    let document = || formats::json(&analysis, &Provenance::of(&outputs, None)?);
+    if to_stdout {
+        output::print(&document()?)?;
+    } else if let Some(json) = json {
+        let text = document()?;
+        output::text(&mut outputs, json, &text)?;
     }
-    if json.is_none_or(|(_, to_stdout)| !to_stdout) {
-        print(&text::summary(&analysis))?;
-    }
-    Ok(())
+    outputs.finish()?;
+    if to_stdout { Ok(()) } else { output::print(&text::summary(&analysis)) }
 }
 
 /// The loop and the setting the flags describe.
@@ -136,14 +144,4 @@ fn usage(error: LoopError) -> Error {
 
 fn cannot_write(file: &Path, reason: impl Display) -> Error {
     Error::Output { file: file.to_path_buf(), reason: reason.to_string() }
-}
-
-/// Writes to standard output; a reader that has seen enough and closed it is no error.
-fn print(text: &str) -> Result<(), Error> {
-    match std::io::stdout().write_all(text.as_bytes()) {
-        Err(reason) if reason.kind() != ErrorKind::BrokenPipe => {
-            Err(cannot_write(Path::new("standard output"), reason))
-        }
-        _ => Ok(()),
-    }
 }

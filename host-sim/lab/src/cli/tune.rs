@@ -2,7 +2,9 @@
 
 use std::path::PathBuf;
 
+use super::Overwrite;
 use super::machine::MachineArgs;
+use crate::output::formats;
 use crate::read::Machine;
 use crate::stability::NormalisedGains;
 use crate::tune::{Demands, Steps, Task, figure, machine, summary, tune};
@@ -44,6 +46,8 @@ pub struct Args {
     /// Folder for the picture and the machine file; made if it is not there.
     #[arg(long, value_name = "DIR", default_value = "out/tune")]
     out: PathBuf,
+    #[command(flatten)]
+    overwrite: Overwrite,
 }
 
 /// Tunes, writes picture and machine file, prints what was found.
@@ -51,14 +55,21 @@ pub struct Args {
 /// # Errors
 /// Flags or a machine that cannot be followed, demands that no gains keep, outputs that cannot be written.
 pub fn run(args: &Args) -> Result<(), Error> {
+    let mut files = args.overwrite.files();
+    files.reads_all(&args.machine.machine);
+    let (picture, file) = (files.writes(&args.out.join("tune.svg")), files.writes(&args.out.join("tuned.toml")));
+    let mut outputs = files.check()?;
     let task = args.task()?;
-    output::folder(&args.out)?;
     let tuning = tune(&task)?;
     let read = args.machine.machine.as_deref().map(Machine::read).transpose()?;
-    let (picture, file) = (args.out.join("tune.svg"), args.out.join("tuned.toml"));
-    figure(&tuning).write(&picture)?;
-    machine(&task, &tuning, read).write(&file)?;
-    output::print(&format!("{}\nwrote {} and {}\n", summary(&task, &tuning), picture.display(), file.display()))
+    output::figure(&mut outputs, picture, &figure(&tuning))?;
+    let tuned = machine(&task, &tuning, read).to_toml();
+    let tuned =
+        tuned.map_err(|error| Error::Output { file: outputs.file(file).to_path_buf(), reason: error.to_string() })?;
+    output::text(&mut outputs, file, &formats::toml(&tuned))?;
+    outputs.finish()?;
+    let (picture, file) = (outputs.file(picture).display(), outputs.file(file).display());
+    output::print(&format!("{}\nwrote {picture} and {file}\n", summary(&task, &tuning)))
 }
 
 impl Args {

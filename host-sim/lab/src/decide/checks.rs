@@ -9,7 +9,7 @@ use plant::{Command, Mechanics, Model, State, Timeline};
 use crate::effects::{Effect, Physics};
 use crate::read::Recording;
 use crate::refit::{HORIZON_S, model};
-use crate::residual::recorded_commands;
+use crate::residual::{horizon_s, recorded_commands};
 use crate::screen::Problem;
 
 /// Allowed difference over the travel, 1.
@@ -125,9 +125,10 @@ fn samples(index: usize, recording: &Recording) -> Vec<Sample> {
     let commands = recorded_commands(recording);
     let ends = recording.position.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), q| (l.min(*q), h.max(*q)));
     let travel = (ends.1 - ends.0).max(1e-6);
+    let horizon_s = horizon_s(recording, HORIZON_S);
     let starts = (0..WINDOWS).map(|k| (2 * k + 1) * recording.rows() / (2 * WINDOWS));
     let whole = starts.filter_map(|start| {
-        let end = t_s.partition_point(|t| *t < t_s[start] + HORIZON_S);
+        let end = t_s.partition_point(|t| *t < t_s[start] + horizon_s);
         let from = t_s.partition_point(|t| *t < t_s[start] - HISTORY_S);
         (end - start >= 8).then(|| {
             let speed = (recording.position[end - 1] - recording.position[start]) / (t_s[end - 1] - t_s[start]);

@@ -35,7 +35,20 @@ pub(super) fn closest(searched: &Searched, axis: AxisKind) -> Option<Closest> {
     let share = |fit: &Fit| explained(outcome.nominal.sse, fit.sse, floor).clamp(0.0, 1.0);
     let left = 1.0 - share(&fit);
     let region = regions(problem, &fit, axis).into_iter().next();
-    let mut text = format!("{id} comes closest and leaves {:.0} % of the excess over the noise", 100.0 * left);
+    // What is left is rounded up and what is explained down.
+    let left_of = |share: f64| (100.0 * (1.0 - share) - 1e-9).ceil().max(0.0);
+    let several = outcome.fit.active.len() > 1;
+    let mut text = format!("{id} comes closest and leaves {:.0} % of the excess over the noise", left_of(share(&fit)));
+    if several {
+        let mut ids: Vec<&str> = outcome.fit.active.iter().map(|entry| entry.effect.id).collect();
+        ids.dedup();
+        text = format!(
+            "together {} leave {:.0} % of the excess over the noise in the torque balance, and are not believed; of single \
+             effects {text}",
+            ids.join(" with "),
+            left_of(share(&outcome.fit))
+        );
+    }
     if left < LITTLE {
         text +=
             ": the torque balance of what moves is in order, and what is missing shows in the simulated windows only";
@@ -43,12 +56,6 @@ pub(super) fn closest(searched: &Searched, axis: AxisKind) -> Option<Closest> {
     if let Some(region) = region.as_ref().filter(|_| left >= LITTLE) {
         let (from, to) = (region.low, region.high);
         text += &format!(", {:.0} % of that at {} {from:.3} to {to:.3}", 100.0 * region.share, region.channel);
-    }
-    if outcome.fit.active.len() > 1 {
-        let mut ids: Vec<&str> = outcome.fit.active.iter().map(|entry| entry.effect.id).collect();
-        ids.dedup();
-        text +=
-            &format!("; the best model, {}, leaves {:.0} %", ids.join(" with "), 100.0 * (1.0 - share(&outcome.fit)));
     }
     Some(Closest { id: id.to_owned(), excess_explained: share(&fit), left, region, text })
 }

@@ -3,8 +3,6 @@
 //! The weak form is a model of the recording too, and where the noise is small its own errors look like a small effect. The
 //! plant has no such errors: what is there makes its windows worse when it is left out.
 
-use statrs::distribution::{ContinuousCDF, FisherSnedecor};
-
 use super::gap;
 use super::prepare::Searched;
 use super::twin::{Noise, estimate, noise_floor};
@@ -12,7 +10,7 @@ use super::{Refined, Request};
 use crate::Error;
 use crate::effects::Effect;
 use crate::refit::TimeFit;
-use crate::screen::{Active, MAX_P, MIN_T, Refitter, paired_t};
+use crate::screen::{Active, MAX_P, MIN_T, Refitter, paired_t, tail};
 
 /// An effect whose part in the prediction is larger is no error of the weak form.
 const PLAIN: f64 = 0.3;
@@ -80,6 +78,9 @@ fn refine(request: &Request<'_>, searched: &Searched, notes: &mut Vec<String>) -
 /// The weakest of the effects that simulation does as well without.
 fn unconfirmed(request: &Request<'_>, searched: &Searched, refined: &Refined) -> Option<usize> {
     let (problem, fit) = (&searched.problem, &searched.outcome.fit);
+    if problem.budget.check() {
+        return None;
+    }
     let refitter = Refitter::new(problem, &searched.outcome);
     let rms = |active: &[Active]| searched.windows_rms(request, active);
     let falls = |without: &[Active], to: f64| -> bool {
@@ -116,6 +117,7 @@ fn above_sensor(request: &Request<'_>, searched: &Searched, active: &[Active], t
     let noise = |index| Noise { torque: 0.0, ..estimate(problem, &outcome.fit, &outcome.weights, index, resolution) };
     let noises: Vec<Noise> = (0..problem.fitted).map(noise).collect();
     let floor = noise_floor(&machine, searched.fitted(), &problem.motions, &noises)?;
+    problem.budget.spend(floor.work);
     let windows = searched.windows(request, &machine)?;
     Ok(floor.under(&windows, 0).is_none_or(|above| above.exceeded(windows.rms(), times)))
 }
@@ -126,7 +128,7 @@ pub(super) fn improvement(without: &TimeFit, with: &TimeFit) -> f64 {
     let added = values(with).saturating_sub(values(without)).max(1) as f64;
     let left = (with.freedom - values(with) as f64).max(1.0);
     let statistic = (without.sse - with.sse).max(0.0) / added / (with.sse / left).max(1e-300);
-    FisherSnedecor::new(added, left).map_or(1.0, |f| f.sf(statistic))
+    tail(added, left, statistic)
 }
 
 /// Whether a fit in the time domain needs an effect that another has not. No block but its own misses an event.

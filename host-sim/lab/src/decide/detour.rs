@@ -33,6 +33,9 @@ pub(super) fn detour(request: &Request<'_>, problem: &Problem, mut first: Outcom
     let ways: Vec<Vec<Active>> = again.map(|entry| vec![entry]).into_iter().chain(ways).collect();
     let mut best = first;
     for way in &ways {
+        if problem.budget.check() {
+            break;
+        }
         let other = searcher(request, problem).run(way);
         if share_left(problem, &other, &best) < SHORTER {
             best = other;
@@ -49,7 +52,7 @@ pub(super) fn detour(request: &Request<'_>, problem: &Problem, mut first: Outcom
 /// alike the one with the fewest changes comes first.
 fn without_scale(request: &Request<'_>, problem: &Problem, first: Outcome) -> Outcome {
     let scaled = first.fit.active.iter().any(|entry| entry.effect.id == SCALE);
-    if !scaled || first.fit.active.len() < 2 {
+    if !scaled || first.fit.active.len() < 2 || problem.budget.check() {
         return first;
     }
     let vocabulary: Vec<&'static Effect> =

@@ -14,18 +14,30 @@ use super::refined::Refined;
 use super::simulated::shown;
 use super::stretches::stretches;
 use super::twin::Twins;
-use super::verdict::{at_bound, verdict, warnings};
+use super::verdict::{at_bound, not_told, verdict, warnings};
+use std::sync::Arc;
+
 use crate::Error;
+use crate::budget::Budget;
 use crate::effects::{Effect, Physics};
 use crate::formula::formula;
 use crate::locate::{first_unexplained, leftover, locations, regions, residual_map};
 use crate::progress::Stages;
 use crate::propose::{Proposal, for_ambiguous};
 use crate::read::{Axis, Machine, Recording, position_step};
+use crate::refit::{COARSEST_S, HORIZON_S, SETTLE_S};
 use crate::report::{Answer, FirstUnexplained, Verdict};
+use crate::residual::{horizon_s, median_period_s, no_window, spans};
 
 /// Steps this many times those of the machine file are not its steps.
 const COARSER: f64 = 1.5;
+
+/// What is said where the budget ended the search.
+const UNFINISHED: &str = "the work of one diagnosis was used up before everything was tried and refitted: the answer is what \
+                          was found until then; shorter recordings, or fewer effects (--only), come to an end";
+/// What is said where it ended the checks.
+const UNCHECKED: &str = "the work of one diagnosis was used up before every check was made: the answer was not tried on a clean \
+                         twin, and no experiment is proposed";
 
 /// What is to be diagnosed.
 #[derive(Debug)]
@@ -60,13 +72,23 @@ pub struct Diagnosis {
 /// # Errors
 /// Recordings too short to say anything.
 pub fn diagnose(request: &Request<'_>) -> Result<Diagnosis, Error> {
-    let first = Begun::new(request)?.decided(request)?;
-    Ok(with_a_shaft(request, &first)?.unwrap_or(first))
+    diagnose_within(request, Budget::default())
+}
+
+/// Diagnoses recordings within a budget; where it is used up the answer is what was found until then, and says so.
+///
+/// # Errors
+/// As [`diagnose`].
+pub fn diagnose_within(request: &Request<'_>, budget: Budget) -> Result<Diagnosis, Error> {
+    let budget = Arc::new(budget);
+    let first = Begun::new(request, &budget)?.decided(request)?;
+    let second = if budget.check() { None } else { with_a_shaft(request, &first, &budget)? };
+    Ok(second.unwrap_or(first))
 }
 
 /// The diagnosis with a flexible shaft in the place of a gap that may be none or is not told from a shaft, where that predicts
 /// as well: such a gap is a shaft with one number more, which takes up what its wrong companions leave.
-fn with_a_shaft(request: &Request<'_>, first: &Diagnosis) -> Result<Option<Diagnosis>, Error> {
+fn with_a_shaft(request: &Request<'_>, first: &Diagnosis, budget: &Arc<Budget>) -> Result<Option<Diagnosis>, Error> {
     const SHAFT: &str = "compliance";
     let effects = &first.answer.effects;
     let like_a_shaft =
@@ -77,12 +99,15 @@ fn with_a_shaft(request: &Request<'_>, first: &Diagnosis) -> Result<Option<Diagn
     let vocabulary: Vec<&'static Effect> =
         request.vocabulary.iter().copied().filter(|effect| !effect.is_gap()).collect();
     let request = &Request { vocabulary: &vocabulary, ..*request };
-    let begun = Begun::new(request)?;
+    let begun = Begun::new(request, budget)?;
     // What the search does not find is not worth the time of a refit.
     if !begun.searched.outcome.fit.active.iter().any(|entry| entry.effect.id == SHAFT) {
         return Ok(None);
     }
     let second = begun.decided(request)?;
+    if budget.check() {
+        return Ok(None);
+    }
     let named = second.answer.effects.iter().any(|effect| effect.id == SHAFT);
     Ok((named && second.answer.fit.heldout_after_rms <= first.answer.fit.heldout_after_rms).then_some(second))
 }
@@ -99,15 +124,16 @@ struct Begun {
 }
 
 impl Begun {
-    fn new(request: &Request<'_>) -> Result<Self, Error> {
+    fn new(request: &Request<'_>, budget: &Arc<Budget>) -> Result<Self, Error> {
         let files: Vec<&Recording> = request.recordings.iter().chain(request.holdout).collect();
         let names: Vec<&str> = files.iter().map(|recording| recording.name.as_str()).collect();
         let nominal = Physics::of(request.machine, &names)?;
         let mut notes: Vec<String> = files.iter().flat_map(|recording| recording.notes()).collect();
         let coarser = coarser(request.machine, &files, &mut notes);
         let request = &Request { machine: coarser.as_ref().unwrap_or(request.machine), ..*request };
+        files.iter().try_for_each(|file| windowed(file))?;
         let mut stages = Stages::begin();
-        let searched = search(request, stretches(&files, &mut notes), &nominal, &mut stages);
+        let searched = search(request, stretches(&files, &mut notes), (&nominal, budget), &mut stages);
         if searched.problem.fitted_equations() == 0 {
             let message = "nothing moves long enough in one direction to be judged; record more motion".to_owned();
             return Err(Error::Usage(format!("{}: {message}", names.join(", "))));
@@ -138,6 +164,22 @@ impl Begun {
         diagnosis.answer.rejected = rejected(request, &searched.outcome, &diagnosis.answer.effects, &taken_back);
         Ok(diagnosis)
     }
+}
+
+/// Whether a recording has windows to be diagnosed in.
+fn windowed(file: &Recording) -> Result<(), Error> {
+    let period_s = median_period_s(&file.t_s);
+    if period_s > COARSEST_S * (1.0 + 1e-3) {
+        return Err(Error::Usage(format!(
+            "{}: a row every {:.0} ms is too coarse, at least one every {:.0} ms is needed; are the times in s?",
+            file.name,
+            1e3 * period_s,
+            1e3 * COARSEST_S
+        )));
+    }
+    let (horizon_s, settled_s) = (horizon_s(file, HORIZON_S), file.t_s[0] + SETTLE_S);
+    let whole = spans(file, horizon_s).into_iter().any(|(start, _)| file.t_s[start] >= settled_s);
+    if whole { Ok(()) } else { Err(Error::Usage(no_window(file, horizon_s))) }
 }
 
 /// The machine with the step that its recordings show, where that is clearly coarser than the file says.
@@ -194,6 +236,7 @@ fn judge(
 ) -> Result<(), Error> {
     let (problem, axis) = (&searched.problem, request.machine.axis.kind);
     let left = leftover(problem, &searched.outcome.fit, axis);
+    let cut = problem.budget.check();
     let twins = Twins::of(request, searched, (&diagnosis.improved, refined.time.as_ref()));
     diagnosis.stages.done("twins");
     let Diagnosis { answer, nominal, improved, proposal, stages } = diagnosis;
@@ -208,6 +251,8 @@ fn judge(
     reasons.extend(flat(problem, &searched.outcome, &answer.effects));
     reasons.extend(held(problem, &refined.active));
     reasons.extend(at_bound(&searched.outcome.fit.active, &refined.active));
+    reasons.extend(not_told(&answer.effects, nominal, problem.motions.len()));
+    reasons.extend(cut.then(|| UNFINISHED.to_owned()));
     if answer.verdict != Verdict::Controller {
         answer.verdict = verdict(searched, answer, &left, (&twins, &floors), &reasons);
     }
@@ -216,10 +261,11 @@ fn judge(
     answer.warnings.extend(warnings(searched, &left, answer.verdict));
     answer.warnings.extend(self_checks(problem, searched.fitted(), request.vocabulary));
     answer.warnings.extend(twins.warnings);
+    answer.warnings.extend((!cut && problem.budget.check()).then(|| UNCHECKED.to_owned()));
     stages.done("self-checks");
     locate(searched, request, answer);
     stages.done("locate");
-    if answer.verdict == Verdict::Ambiguous {
+    if answer.verdict == Verdict::Ambiguous && !problem.budget.check() {
         let (found, floor_rms) = ((problem, &searched.outcome), answer.fit.noise_floor_rms);
         *proposal = for_ambiguous(request.machine, request.recordings, found, &answer.effects, floor_rms);
         answer.experiment = proposal.as_ref().map(Proposal::experiment);

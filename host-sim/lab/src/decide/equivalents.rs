@@ -43,6 +43,9 @@ pub(super) fn contested(
         let mut alike = Vec::new();
         let mut better = None;
         for index in 0..searched.outcome.fit.active.len() {
+            if searched.problem.budget.check() {
+                return (refined, alike);
+            }
             let entry = &searched.outcome.fit.active[index];
             if let Some(shown) = searched.shown(entry) {
                 alike.push(shown.alike.clone());
@@ -126,6 +129,9 @@ fn simulated(searched: &Searched, refined: &Refined, index: usize, rivals: &mut 
     let mut better: Option<TimeFit> = None;
     let (mut dropped, mut as_good) = (Vec::new(), Vec::new());
     for rank in near {
+        if problem.budget.check() {
+            break;
+        }
         let mut active = time.active.clone();
         active.remove(index);
         active.extend(rivals[rank].fit.active.last().cloned());

@@ -41,13 +41,15 @@ pub(super) fn fit_answer(
 ) -> Result<(FitAnswer, Floors), Error> {
     let outcome = &searched.outcome;
     let repaired = repaired(searched);
-    let glitches = effects.iter_mut().find(|effect| effect.id == GLITCH);
-    let named = glitches.is_some();
+    let named = effects.iter().any(|effect| effect.id == GLITCH);
     let recorded: &[Recording] = if named { &searched.recordings } else { &repaired };
     let count = request.recordings.len();
     let resolution = request.machine.axis.resolution;
-    let windows =
-        |physics, recordings: &[Recording], first| Windows::new(physics, recordings, first, resolution, HORIZON_S);
+    let windows = |physics, recordings: &[Recording], first| {
+        let windows = Windows::new(physics, recordings, first, resolution, HORIZON_S)?;
+        searched.problem.budget.spend(windows.work);
+        Ok::<_, Error>(windows)
+    };
     let rms = |physics, recordings, first| windows(physics, recordings, first).map(|windows| windows.rms());
     let left = match &repaired {
         Cow::Borrowed(_) => searched.windows(request, improved)?,
@@ -63,7 +65,7 @@ pub(super) fn fit_answer(
         let left = windows(improved, &repaired[count..], count)?;
         (rms(nominal, &recorded[count..], count)?, left.rms(), above(&left, count))
     };
-    if let Some(effect) = glitches {
+    if let Some(effect) = effects.iter_mut().find(|effect| effect.id == GLITCH) {
         // On held-out recordings where there are any, else on all.
         let from = if request.holdout.is_empty() { 0 } else { count };
         let left = rms(improved, &repaired[from..], from)? / rms(improved, &recorded[from..], from)?.max(1e-300);
@@ -71,6 +73,15 @@ pub(super) fn fit_answer(
     }
     let floor = outcome.fit.residual_count();
     let balance = (floor / outcome.fit.sse.max(floor)).sqrt();
+    // Of the windows, as all other figures here; the torque balance may come down where they hardly do.
+    let share = match fitted {
+        Some(above) => explained(before * before, after * after, above.floor * above.floor),
+        None => explained(outcome.nominal.sse, outcome.fit.sse, floor),
+    }
+    .clamp(0.0, 1.0);
+    for effect in effects.iter_mut() {
+        effect.evidence.excess_explained = effect.evidence.excess_explained.min(share);
+    }
     let unit = if request.machine.axis.kind == AxisKind::Linear { "m" } else { "rad" };
     let answer = FitAnswer {
         before_rms: before,
@@ -79,15 +90,9 @@ pub(super) fn fit_answer(
         heldout_after_rms: heldout_after,
         noise_floor_rms: fitted.map_or(after * balance, |above| above.floor),
         heldout_floor_rms: held_out.map_or(heldout_after * balance, |above| above.floor),
-        excess_explained: match fitted {
-            // No torque is missing; what the windows lose is all there is.
-            Some(above) if named && outcome.fit.active.is_empty() => {
-                explained(before * before, after * after, above.floor * above.floor)
-            }
-            _ => explained(outcome.nominal.sse, outcome.fit.sse, floor),
-        },
+        excess_explained: share,
         unit: unit.to_owned(),
-        horizon_s: HORIZON_S,
+        horizon_s: left.horizon_s(),
     };
     Ok((answer, Floors { fitted, held_out }))
 }

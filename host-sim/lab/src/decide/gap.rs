@@ -36,7 +36,7 @@ pub(super) fn gap(active: &[Active]) -> Option<usize> {
 /// better; anything else is left as it is.
 pub(super) fn settled(request: &Request<'_>, searched: &Searched, refined: Refined) -> Refined {
     let Some(index) = gap(&refined.active).filter(|_| refined.time.is_none()) else { return refined };
-    let trail = felt_out(&Probe::spread(&searched.problem, searched.fitted()), &refined.active, index);
+    let trail = felt_out(searched, &refined.active, index);
     let Some((least, best)) = lowest(&trail) else { return refined };
     let mut active = refined.active.clone();
     active[index].values.clone_from(&best);
@@ -54,8 +54,8 @@ pub(super) fn settled(request: &Request<'_>, searched: &Searched, refined: Refin
 
 /// Everything that was tried: passes of the simplex, and from the best place each value alone outwards until the windows
 /// miss it.
-fn felt_out(probe: &Probe<'_>, from: &[Active], index: usize) -> Trail {
-    let start = &from[index];
+fn felt_out(searched: &Searched, from: &[Active], index: usize) -> Trail {
+    let (start, probe) = (&from[index], Probe::spread(&searched.problem, searched.fitted()));
     let trail = RefCell::new(Trail::new());
     let cost = |logs: &DVector<f64>| {
         let mut active = from.to_vec();
@@ -63,7 +63,8 @@ fn felt_out(probe: &Probe<'_>, from: &[Active], index: usize) -> Trail {
         for ((value, range), log) in values.iter_mut().zip(&start.ranges).zip(logs.iter()) {
             *value = (*value * log.exp()).clamp(range.low, range.high);
         }
-        let loss = probe.loss(&active).unwrap_or(f64::INFINITY);
+        let over = searched.problem.budget.check();
+        let loss = if over { None } else { probe.loss(&active) }.unwrap_or(f64::INFINITY);
         trail.borrow_mut().push((loss, active[index].values.clone()));
         loss
     };

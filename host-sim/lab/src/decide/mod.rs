@@ -22,7 +22,7 @@ pub(crate) mod testing;
 pub mod twin;
 mod verdict;
 
-pub use diagnose::{Diagnosis, Request, diagnose};
+pub use diagnose::{Diagnosis, Request, diagnose, diagnose_within};
 pub(crate) use fitted::explained;
 pub use intervals::{Covariance, intervals};
 pub use refined::Refined;

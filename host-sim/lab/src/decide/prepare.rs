@@ -2,6 +2,7 @@
 
 use std::cell::RefCell;
 use std::rc::Rc;
+use std::sync::Arc;
 
 use rayon::prelude::*;
 
@@ -9,6 +10,7 @@ use super::detour::detour;
 use super::simulated::Shown;
 use super::{Refined, Request};
 use crate::Error;
+use crate::budget::Budget;
 use crate::effects::Physics;
 use crate::progress::{Progress, Stages};
 use crate::read::{AxisKind, Recording};
@@ -45,6 +47,7 @@ impl Searched {
         }
         let resolution = request.machine.axis.resolution;
         let windows = Rc::new(Windows::new(machine, self.fitted(), 0, resolution, HORIZON_S)?);
+        self.problem.budget.spend(windows.work);
         self.seen.borrow_mut().push((machine.clone(), Rc::clone(&windows)));
         Ok(windows)
     }
@@ -87,17 +90,17 @@ impl Searched {
 pub(super) fn search(
     request: &Request<'_>,
     mut recordings: Vec<Recording>,
-    nominal: &Physics,
+    (nominal, budget): (&Physics, &Arc<Budget>),
     stages: &mut Stages,
 ) -> Searched {
     let linear = request.machine.axis.kind == AxisKind::Linear;
-    let mut problem = problem(request, &recordings, nominal);
+    let mut problem = problem(request, &recordings, nominal).within(budget);
     // Where the drive's delay, the fluid or the controller is known, the column is the command.
     let commanded = request.machine.controller.is_some() || nominal.damper.is_some() || nominal.torque_delay_s > 0.0;
     let filter = if commanded { None } else { effort_filter_s(&problem.motions[..problem.fitted], linear) };
     if let Some(filter_s) = filter {
         recordings.iter_mut().for_each(|recording| unfilter(recording, filter_s));
-        problem = self::problem(request, &recordings, nominal);
+        problem = self::problem(request, &recordings, nominal).within(budget);
     }
     stages.done("prepare");
     let outcome = detour(request, &problem, searcher(request, &problem).run(&[]));
@@ -132,13 +135,14 @@ pub(super) fn searcher<'a>(request: &'a Request<'_>, problem: &'a Problem) -> Se
 
 fn again(request: &Request<'_>, first: Searched, nominal: &Physics, stages: &mut Stages) -> Searched {
     let active = &first.outcome.fit.active;
-    if active.is_empty() {
+    if active.is_empty() || first.problem.budget.check() {
         return first;
     }
     let found = first.problem.machine(active);
     let resolution = request.machine.axis.resolution;
     let motions = first.problem.motions.par_iter().enumerate().map(|(index, m)| m.again(&found, index, resolution));
     let problem = Problem::new(motions.collect(), request.recordings.len(), nominal.clone());
+    let problem = problem.within(&first.problem.budget);
     stages.done("prepare");
     let outcome = searcher(request, &problem).run(active);
     stages.done("search");

@@ -41,7 +41,7 @@ impl Refined {
             time: None,
             spans: None,
         };
-        if fit.active.is_empty() {
+        if fit.active.is_empty() || problem.budget.check() {
             return weak();
         }
         let simulated = TimeFit::new(problem, recordings, &fit.active, resolution);
@@ -71,6 +71,9 @@ fn elsewhere(problem: &Problem, recordings: &[Recording], time: TimeFit) -> Time
     let mut best = time;
     for index in 0..best.active.len() {
         for _ in 0..MOVES {
+            if problem.budget.check() {
+                return best;
+            }
             let around = Probe::around(problem, recordings, &best, index);
             let Some(moved) = around.and_then(|probe| probe.elsewhere(&best.active, index)) else { break };
             match best.rival(problem, recordings, &moved) {

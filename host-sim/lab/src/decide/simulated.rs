@@ -43,7 +43,7 @@ impl Shown {
 pub(super) fn shown(request: &Request<'_>, searched: &Searched, refined: &Refined) -> Option<Shown> {
     let (problem, resolution) = (&searched.problem, request.machine.axis.resolution);
     // Bristles and loads whose state is not known well make windows far by themselves.
-    if problem.machine(&refined.active).remembers() {
+    if problem.machine(&refined.active).remembers() || problem.budget.check() {
         return None;
     }
     let recordings = searched.fitted();
@@ -60,7 +60,7 @@ pub(super) fn shown(request: &Request<'_>, searched: &Searched, refined: &Refine
     let mut tried = candidates(request, searched, &probe, base);
     tried.retain(|(loss, _)| *loss < PROMISES * before);
     tried.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let finalists = tried.into_iter().take(FINALISTS);
+    let finalists = tried.into_iter().take(FINALISTS).take_while(|_| !problem.budget.check());
     let fits = finalists.filter_map(|(_, active)| base.rival(problem, recordings, &active).ok());
     let mut fits: Vec<TimeFit> =
         fits.filter(|fit| gains(base, fit) && !fit.active.iter().any(Active::at_bound)).collect();
@@ -86,6 +86,7 @@ fn candidates(
     // Several pushes are no event any more.
     let again = |effect: &Effect| base.active.iter().any(|entry| entry.effect == effect);
     let open = request.vocabulary.iter().filter(|effect| !again(effect) && refitter.may_join(&base.active, effect));
+    let open = open.take_while(|_| !searched.problem.budget.check());
     open.filter_map(|effect| best_start(searched, &refitter, probe, base, effect)).collect()
 }
 

@@ -1,8 +1,10 @@
 //! None, named, ambiguous or unknown; and what the user should know before believing it.
 
+use super::checks::neutral;
 use super::fitted::{Floors, explained};
 use super::prepare::Searched;
 use super::twin::Twins;
+use crate::effects::{Physics, find};
 use crate::locate::Leftover;
 use crate::report::{Answer, EffectAnswer, FitAnswer, Verdict};
 use crate::screen::{Active, MIN_GAIN};
@@ -118,6 +120,31 @@ pub(super) fn at_bound(found: &[Active], refined: &[Active]) -> Vec<String> {
     ids.into_iter().map(|id| format!("{id}: a value stands at the bound of what was searched")).collect()
 }
 
+/// Parameters that say where or how fast an effect acts and not how strong it is.
+const PLACES: [&str; 8] = [
+    "order_per_rev",
+    "order_rad_m",
+    "phase_rad",
+    "velocity_rad_s",
+    "velocity_m_s",
+    "frequency_hz",
+    "start_s",
+    "duration_s",
+];
+
+/// In words, which effects may be as strong as they are in the nominal machine: the intervals of all that says how strong
+/// they are hold its values, so these recordings do not tell that anything is missing there.
+pub(super) fn not_told(effects: &[EffectAnswer], nominal: &Physics, recordings: usize) -> Vec<String> {
+    let not_told = effects.iter().filter(|answer| {
+        let Some(effect) = find(&answer.id) else { return false };
+        let Some(neutral) = neutral(effect, nominal, recordings) else { return false };
+        let pairs = answer.parameters.iter().zip((effect.report)(&neutral));
+        let mut strengths = pairs.filter(|(p, _)| !PLACES.contains(&p.id.as_str())).peekable();
+        strengths.peek().is_some() && strengths.all(|(p, nominal)| p.low <= nominal && nominal <= p.high)
+    });
+    not_told.map(|answer| format!("{}: its interval holds the nominal value, so it may be none", answer.id)).collect()
+}
+
 /// What the user should know before believing the answer.
 pub(super) fn warnings(searched: &Searched, left: &Leftover, verdict: Verdict) -> Vec<String> {
     let mut warnings = Vec::new();
@@ -139,4 +166,41 @@ pub(super) fn warnings(searched: &Searched, left: &Leftover, verdict: Verdict) -
         warnings.push(format!("{repaired} isolated wrong position samples were left out"));
     }
     warnings
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::decide::testing::machine;
+    use crate::report::{Evidence, Interval};
+
+    fn answer(id: &str, intervals: &[(&str, f64, f64)]) -> EffectAnswer {
+        let parameters = intervals.iter().map(|&(id, low, high)| Interval {
+            id: id.to_owned(),
+            value: 0.5 * (low + high),
+            low,
+            high,
+            unit: String::new(),
+        });
+        EffectAnswer {
+            id: id.to_owned(),
+            text: String::new(),
+            equivalent: Vec::new(),
+            parameters: parameters.collect(),
+            evidence: Evidence { heldout_gain: 0.5, p_value: 0.0, excess_explained: 0.9 },
+            recording: None,
+        }
+    }
+
+    #[test]
+    fn an_interval_that_holds_the_nominal_value_tells_nothing() {
+        let of = |answer| not_told(&[answer], &Physics::nominal(&machine()), 1).len();
+        assert_eq!(of(answer("torque_offset", &[("offset_nm", -10.0, 13.0)])), 1);
+        assert_eq!(of(answer("torque_offset", &[("offset_nm", 0.1, 13.0)])), 0);
+        let asymmetry = |slope| [("difference_nm", -0.1, 0.1), ("viscous_difference_nm_s_rad", slope, 1.0)];
+        assert_eq!(of(answer("friction_asymmetry", &asymmetry(-1.0))), 1);
+        assert_eq!(of(answer("friction_asymmetry", &asymmetry(0.5))), 0, "the slopes differ surely");
+        let cogging = |low| [("amplitude_nm", low, 0.4), ("order_per_rev", 7.0, 7.0), ("phase_rad", -3.0, 3.0)];
+        assert_eq!((of(answer("cogging", &cogging(0.0))), of(answer("cogging", &cogging(0.1)))), (1, 0));
+    }
 }

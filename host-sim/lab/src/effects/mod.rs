@@ -182,6 +182,9 @@ impl PartialEq for Effect {
     }
 }
 
+/// No size of a machine is larger, in any unit: bounds that are multiples of it stay finite.
+const LARGEST_SIZE: f64 = 1e100;
+
 impl Effect {
     /// Bounds and scale of the value at `index`.
     pub fn parameter(&self, index: usize) -> Parameter {
@@ -192,7 +195,8 @@ impl Effect {
     pub fn ranges(&self, count: usize, physics: &Physics, excitation: &Excitation) -> Vec<Range> {
         let range = |index| {
             let parameter = self.parameter(index);
-            let size = parameter.size.of(physics, excitation);
+            // Squares of huge commands overflow; bounds must not.
+            let size = parameter.size.of(physics, excitation).max(f64::MIN_POSITIVE).min(LARGEST_SIZE);
             Range { low: parameter.low * size, high: parameter.high * size, scale: parameter.scale * size }
         };
         (0..count).map(range).collect()

@@ -97,13 +97,18 @@ impl Loop {
             }
         };
         let t_s: Vec<f64> = (0..commands.len()).map(|row| row as f64 * period_s).collect();
-        let rows = (HORIZON_S / period_s).round() as usize;
+        let rows = rows(period_s);
         let windows = (rows..(commands.len() + 1).saturating_sub(rows)).step_by(rows * STRIDE);
         let start = |row: usize| Start { row, state: states[row], block: (t_s[row] / BLOCK_S) as usize };
         let starts = windows.map(start).collect();
         let asked = asked(&commands, &states);
         Some(Motion { starts, rows, asked, t_s, commands, before: Command::default() })
     }
+}
+
+/// Rows of a window at that sampling, s.
+pub(super) fn rows(period_s: f64) -> usize {
+    (HORIZON_S / period_s).round().max(10.0) as usize
 }
 
 /// The law that will run an experiment: that of the machine file; a rotary axis with a damper has the flashed law even where

@@ -28,6 +28,8 @@ pub(super) struct Scale {
     pub breakaway: f64,
     /// Length of one radian of a shape, rad (m).
     pub unit: f64,
+    /// Whether there is a damper that brakes.
+    pub brake: bool,
 }
 
 /// Every reference that fits the travel; each is made smaller until its speed and torque fit too, when it is simulated.
@@ -42,11 +44,12 @@ pub(super) fn menu(scale: &Scale) -> Vec<Item> {
     let steps = |wanted, dwell_s| Shape::Steps { amplitude_rad: either_way(wanted), dwell_s, seed: STEPS_SEED };
     let ramp = |wanted, travel| Shape::Ramp { speed_rad_s: rate(wanted), travel_rad: one_way(travel) };
     let sine = |wanted, hz| Shape::Chirp { amplitude_rad: either_way(wanted), from_hz: hz, to_hz: hz };
+    let named = |braked, plain| if scale.brake { braked } else { plain };
     let shapes = [
         ("one step, then rest", Shape::Step { amplitude_rad: either_way(0.52) }),
         ("steps to random levels", steps(0.9, 0.5)),
-        ("short steps that make the field rise and fall", steps(0.35, 0.25)),
-        ("small steps near the brake", steps(0.06, 0.2)),
+        (named("short steps that make the field rise and fall", "short steps"), steps(0.35, 0.25)),
+        (named("small steps near the brake", "small steps"), steps(0.06, 0.2)),
         ("slow multisine", Shape::Multisine { amplitude_rad: multisine(0.5), low_hz: 0.2, high_hz: 3.0, tones: 8 }),
         ("fast multisine", Shape::Multisine { amplitude_rad: multisine(0.2), low_hz: 1.0, high_hz: 12.0, tones: 16 }),
         ("chirp", Shape::Chirp { amplitude_rad: either_way(0.2), from_hz: 0.1, to_hz: 10.0 }),

@@ -27,7 +27,7 @@ pub use menu::Item;
 pub use power::P_VALUE;
 pub use rival::Rival;
 pub use signature::{floor_of, mismatch, power_of, signature};
-pub use write::write_reference;
+pub use write::reference_csv;
 
 use crate::Error;
 use crate::read::{AxisKind, Machine, Recording};
@@ -96,7 +96,7 @@ pub struct Proposal {
     pub text: String,
     /// Identifiers of the rivals.
     pub separates: Vec<String>,
-    /// (t, position from where the axis stands), s and rad (m); one a control period.
+    /// (t, position from where the axis stands), s and rad (m); one a control period. Empty where no motion tells.
     pub reference: Vec<(f64, f64)>,
     /// Each pair of rivals under it.
     pub power: Vec<PairPower>,
@@ -117,11 +117,40 @@ impl Proposal {
 
 /// A power that is worth the time of a recording.
 const WORTH: f64 = 0.9;
+/// A power below this is none: of twenty recordings at most one would tell.
+const NO_POWER: f64 = 0.05;
 /// A reference is recorded at most this many times its first length.
 const LONGEST: [usize; 3] = [1, 2, 4];
 
-/// The reference of the menu that tells the rivals apart best; none for fewer than two rivals, or where no reference can be
-/// run within the limits.
+/// What tells rivals apart that no motion does: a measurement of another kind.
+fn instead(rivals: &[Rival]) -> String {
+    let concerns =
+        |ids: &[&str]| rivals.iter().flat_map(|rival| &rival.active).any(|entry| ids.contains(&entry.effect.id));
+    let of_inertia = ["inertia", "torque_gain", "torque_saturation"];
+    let others: [(&[&str], &str); 5] = [
+        (&of_inertia, "weigh what moves, or measure the torque constant: the command that holds a known weight"),
+        (&["field_gain", "er_strength", "er_drift"], "measure the voltage over the gap of the fluid"),
+        (
+            &["sensor_latency", "torque_delay", "torque_lag"],
+            "measure the drive's answer to a step of current by itself",
+        ),
+        (
+            &["gravity_load", "spring_load", "cogging", "torque_offset"],
+            "measure the torque that holds some positions at rest",
+        ),
+        (&["compliance", "backlash"], "measure the load's position as well, or hold the load and turn the motor"),
+    ];
+    let found: Vec<&str> = others.into_iter().filter(|(ids, _)| concerns(ids)).map(|(_, text)| text).collect();
+    let found = if found.is_empty() { "measure one of them by itself".to_owned() } else { found.join("; or ") };
+    let ids: Vec<&str> = rivals.iter().map(|rival| rival.id.as_str()).collect();
+    format!(
+        "No motion within the limits of speed, torque and travel tells {} apart. Instead {found}.",
+        ids.join(" and ")
+    )
+}
+
+/// The reference of the menu that tells the rivals apart best; without one, where no reference tells anything, what would
+/// instead. None for fewer than two rivals, or where no reference can be run within the limits.
 pub fn best(request: &Request<'_>) -> Option<Proposal> {
     if request.rivals.len() < 2 {
         return None;
@@ -134,9 +163,10 @@ pub fn best(request: &Request<'_>) -> Option<Proposal> {
     judged.sort_by(|a, b| rank(b).0.total_cmp(&rank(a).0).then(rank(b).1.total_cmp(&rank(a).1)));
     let first = judged.first()?;
     let chosen = planner.long_enough(first);
-    let reference = planner.reference(&chosen.item)?;
+    let tells = chosen.worst() >= NO_POWER;
+    let reference = if tells { planner.reference(&chosen.item)? } else { Vec::new() };
     Some(Proposal {
-        text: planner.text(&chosen),
+        text: if tells { planner.text(&chosen) } else { instead(request.rivals) },
         separates: request.rivals.iter().map(|rival| rival.id.clone()).collect(),
         reference,
         power: chosen.power,
@@ -189,6 +219,7 @@ impl<'a> Planner<'a> {
             limits,
             breakaway: (machine.plant.coulomb + brake) / self.drive.stiffness(),
             unit: if linear { limits.travel } else { 1.0 },
+            brake: machine.plant.er.is_some(),
         }
     }
 

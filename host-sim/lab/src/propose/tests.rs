@@ -158,10 +158,8 @@ fn the_file_is_the_reference_that_was_predicted_with() {
     let machine = machine();
     let rivals = [rival(&machine, "inertia", 0.08), rival(&machine, "viscous_friction", 0.1)];
     let proposal = best(&request(&machine, &rivals)).unwrap();
-    let folder = tempfile::tempdir().unwrap();
-    let file = folder.path().join("next.csv");
-    write_reference(&file, AxisKind::Rotary, &proposal.reference).unwrap();
-    let read = Reference::read(&file).unwrap();
+    let text = reference_csv(AxisKind::Rotary, &proposal.reference);
+    let read = Reference::from_csv_bytes("next.csv".as_ref(), text.as_bytes()).unwrap();
     let (t_s, reference_rad) = proposal.reference.iter().copied().unzip();
     assert_eq!(read, Reference::Samples { t_s, reference_rad }, "to the bit");
     let built_in: Vec<_> = Reference::Experiment(proposal.menu[0].item.experiment).positions(5e-4).unwrap().collect();

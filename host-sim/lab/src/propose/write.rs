@@ -1,19 +1,18 @@
 //! A reference as CSV.
 
-use std::io::Write as _;
-use std::path::Path;
+use std::fmt::Write as _;
 
+use crate::output::mark;
 use crate::read::AxisKind;
-use crate::{Error, output};
 
-/// Writes a reference as `simulate --reference` reads it: `t_s` and `reference_rad` (`reference_m`), every number to the bit.
-///
-/// # Errors
-/// [`Error::Output`]; what stood in `file` before is untouched then.
-pub fn write_reference(file: &Path, axis: AxisKind, reference: &[(f64, f64)]) -> Result<(), Error> {
+/// A reference as `simulate --reference` reads it: `t_s` and `reference_rad` (`reference_m`), every number to the bit, with the
+/// mark of this tool in its header.
+pub fn reference_csv(axis: AxisKind, reference: &[(f64, f64)]) -> String {
     let unit = if axis == AxisKind::Linear { "m" } else { "rad" };
-    output::write(file, |to| {
-        writeln!(to, "t_s,reference_{unit}")?;
-        reference.iter().try_for_each(|(t_s, position)| writeln!(to, "{t_s},{position}"))
-    })
+    let mut text = mark::csv_header(&["t_s", &format!("reference_{unit}")]);
+    for (t_s, position) in reference {
+        // Writing to a string cannot fail.
+        let _ = writeln!(text, "{t_s},{position}");
+    }
+    text
 }

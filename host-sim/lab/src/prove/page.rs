@@ -4,17 +4,18 @@ use super::power::Curve;
 use super::results::Results;
 use super::text::{self, Table};
 use crate::Error;
+use crate::output::Provenance;
 use crate::plot::{Figure, Mark, Panel, Series};
 
 const STYLE: &str = include_str!("page.css");
 /// Points of a drawn curve.
 const POINTS: usize = 60;
 
-/// The page.
+/// The page, and what made it.
 ///
 /// # Errors
 /// What the drawing library says.
-pub fn page(results: &Results) -> Result<String, Error> {
+pub fn page(results: &Results, made: &Provenance) -> Result<String, Error> {
     let score = &results.score;
     let origin = &results.origin;
     let met = score.pass.iter().filter(|pass| pass.met).count();
@@ -36,20 +37,24 @@ pub fn page(results: &Results) -> Result<String, Error> {
     let figures: String = text::figures(score).iter().map(|line| format!("<li>{}</li>", escape(line))).collect();
     body += &section("Figures", &format!("<ul>{figures}</ul>"));
     body += &section("Misses", &table(&text::misses(score, &results.outcomes)));
-    Ok(document(&body, results))
+    Ok(document(&body, results, made))
 }
 
-fn document(body: &str, results: &Results) -> String {
+fn document(body: &str, results: &Results, made: &Provenance) -> String {
     let origin = &results.origin;
     format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta http-equiv=\"Content-Security-Policy\" \
          content=\"default-src 'none'; style-src 'unsafe-inline'\">\n<meta name=\"viewport\" \
          content=\"width=device-width, initial-scale=1\">\n<title>Proof on concealed effects</title>\n<style>\n{STYLE}</style>\n\
          </head>\n<body>\n<main>\n{body}<footer class=\"quiet\">Made by <code>{}</code>; sources at {}; SHA-256 of the program \
-         that diagnosed: {}.</footer>\n</main>\n</body>\n</html>\n",
+         that diagnosed: {}. {} on {}, built from {}: <code>{}</code>.</footer>\n</main>\n</body>\n</html>\n",
         escape(&origin.command),
         escape(&origin.commit),
-        escape(&origin.program)
+        escape(&origin.program),
+        escape(&made.written_by),
+        escape(&made.date),
+        escape(&made.commit),
+        escape(&made.command)
     )
 }
 

@@ -55,6 +55,9 @@ pub(super) fn descend(gauge: &Gauge<'_>, start: Point, count: usize, goal: Goal)
     let memory = gauge.problem.machine(&point.active).remembers();
     let passes = if memory { PASSES_WITH_MEMORY } else { PASSES };
     for _ in 0..passes {
+        if gauge.problem.budget.check() {
+            break;
+        }
         let before = point.loss();
         let slopes = gauge.slopes(&point, true)?;
         let (normal, gradient) = sums(&slopes, count);
@@ -100,6 +103,9 @@ fn compass(gauge: &Gauge<'_>, mut point: Point, normal: &DMatrix<f64>) -> Result
     for part in COMPASS {
         let before = point.loss();
         for index in (0..count).filter(|&index| normal[(index, index)] > 0.0) {
+            if gauge.problem.budget.check() {
+                return Ok(point);
+            }
             for sign in [1.0, -1.0] {
                 let mut step = DVector::zeros(count);
                 step[index] = sign * part / normal[(index, index)].sqrt();

@@ -13,4 +13,5 @@ mod windows;
 pub use model::model;
 pub use optimum::TimeFit;
 pub use probe::{Event, Probe};
-pub use windows::{HORIZON_S, Windows};
+pub(crate) use windows::SETTLE_S;
+pub use windows::{COARSEST_S, HORIZON_S, Windows};

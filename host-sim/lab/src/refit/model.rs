@@ -61,7 +61,10 @@ pub fn model(physics: &Physics, recording: usize) -> Model {
 
 /// Friction never drives: a difference is at most twice the mean.
 fn asymmetry(physics: &Physics) -> Asymmetry {
-    let within = |difference: f64, mean: f64| difference.clamp(-2.0 * mean, 2.0 * mean);
+    let within = |difference: f64, mean: f64| {
+        let most = 2.0 * mean.max(0.0);
+        difference.clamp(-most, most)
+    };
     Asymmetry {
         coulomb: within(physics.asymmetry, physics.coulomb),
         viscous: within(physics.asymmetry_viscous, physics.viscous),

@@ -5,7 +5,7 @@
 use plant::State;
 
 use crate::effects::{Load, Physics};
-use crate::screen::{Motion, yield_level};
+use crate::screen::{Bounce, Motion, yield_level};
 
 /// One recording as an observer runs along it.
 #[derive(Debug, Clone, Copy)]
@@ -74,7 +74,7 @@ impl<'a> Observer<'a> {
     /// Twist (load minus motor), rad (m), and its rate at the rows. The load moves along at the first row and after gaps.
     fn twists(&self, load: &Load, inertia: f64) -> Vec<(f64, f64)> {
         let motion = self.motion;
-        let law = Law::new(load, inertia);
+        let mut law = Bounce::new(load, inertia);
         let (mut x, mut v) = (motion.smooth[0], motion.speed[0]);
         let mut twists = vec![(0.0, 0.0); motion.smooth.len()];
         for cell in 0..motion.cells() {
@@ -89,56 +89,5 @@ impl<'a> Observer<'a> {
             twists[cell + 1] = (x - next_q, v - next_w);
         }
         twists
-    }
-}
-
-/// Motion of a load whose motor moves as recorded: spring and damper of the reduced mass of both, with a dead zone.
-struct Law {
-    stiffness: f64,
-    damping: f64,
-    half_gap: f64,
-    inertia: f64,
-}
-
-impl Law {
-    fn new(load: &Load, inertia: f64) -> Self {
-        let motor = inertia / (1.0 + load.inertia_ratio);
-        let moved = inertia - motor;
-        let reduced = motor * moved / inertia;
-        let omega = std::f64::consts::TAU * load.resonance_hz;
-        Self {
-            stiffness: omega * omega * reduced,
-            damping: 2.0 * load.damping_ratio * omega * reduced,
-            half_gap: 0.5 * load.gap,
-            inertia: moved,
-        }
-    }
-
-    fn acceleration(&self, stretch: f64, rate: f64) -> f64 {
-        if self.half_gap > 0.0 && stretch.abs() <= self.half_gap {
-            return 0.0;
-        }
-        (self.stiffness * (stretch - self.half_gap.copysign(stretch)) + self.damping * rate) / self.inertia
-    }
-
-    /// Load position and speed after a cell in which the motor has a constant acceleration: Runge and Kutta's fourth order
-    /// in steps of a third of a radian of the fastest motion.
-    fn along(&self, (mut x, mut v): (f64, f64), (q, w): (f64, f64), rate: f64, span_s: f64) -> (f64, f64) {
-        let fastest = (self.stiffness / self.inertia).sqrt();
-        let steps = (span_s * fastest / 0.3).ceil().clamp(1.0, 64.0);
-        let h = span_s / steps;
-        for step in 0..steps as usize {
-            let pull = |part: f64, x: f64, v: f64| {
-                let s = (step as f64 + part) * h;
-                self.acceleration(q + w * s + 0.5 * rate * s * s - x, w + rate * s - v)
-            };
-            let a1 = pull(0.0, x, v);
-            let a2 = pull(0.5, x + 0.5 * h * v, v + 0.5 * h * a1);
-            let a3 = pull(0.5, x + 0.5 * h * v + 0.25 * h * h * a1, v + 0.5 * h * a2);
-            let a4 = pull(1.0, x + h * v + 0.5 * h * h * a2, v + h * a3);
-            x += h * v + h * h / 6.0 * (a1 + a2 + a3);
-            v += h / 6.0 * (a1 + 2.0 * a2 + 2.0 * a3 + a4);
-        }
-        (x, v)
     }
 }

@@ -19,6 +19,9 @@ const PASSES: usize = 8;
 
 /// Robust sum of squares of a window, and the weight its rows have.
 pub(super) fn robust(squares: f64, freedom: f64) -> (f64, f64) {
+    if !squares.is_finite() {
+        return (f64::INFINITY, 0.0);
+    }
     let limit = FAR * freedom.max(1.0);
     if squares <= limit { (squares, 1.0) } else { (2.0 * (limit * squares).sqrt() - limit, (limit / squares).sqrt()) }
 }
@@ -195,6 +198,9 @@ impl Gauge<'_> {
     /// The same values with start states moved to their best, in at most `passes` passes; never worse.
     pub(super) fn settled(&self, mut point: Point, passes: usize) -> Result<Point, plant::Error> {
         for _ in 0..passes {
+            if self.problem.budget.is_over() {
+                break;
+            }
             let slopes = self.slopes(&point, false)?;
             let each = self.tracks.spans.par_iter().zip(&point.shots).zip(&slopes);
             let shots = each.map(|((span, shot), slopes)| self.better_start(span, &point.machines, shot, slopes));
@@ -211,6 +217,9 @@ impl Gauge<'_> {
     /// The same values with start states tried anew where much is left: a window in which the model sticks has no slope to
     /// follow from one start to the other.
     pub(super) fn rescued(&self, mut point: Point) -> Result<Point, plant::Error> {
+        if self.problem.budget.is_over() {
+            return Ok(point);
+        }
         let pairs = self.tracks.spans.par_iter().zip(point.shots);
         let shots = pairs.map(|(span, mut shot)| {
             if shot.loss < MUCH * span.freedom() {

@@ -74,7 +74,7 @@ impl<'a> Probe<'a> {
             let holds = |event: &Event| event.recording == span.track && (event.start_s..=event.end_s).contains(&t_s);
             events.iter().any(holds)
         };
-        let Tracks { tracks, spans } = &mut gauge.tracks;
+        let Tracks { tracks, spans, .. } = &mut gauge.tracks;
         let mut index = 0;
         spans.retain(|span| {
             index += 1;
@@ -103,7 +103,7 @@ impl<'a> Probe<'a> {
         let (recording, start_s) = (push.values[0] as usize, push.values[1]);
         let end_s = start_s + push.values[2];
         let mut gauge = fit.gauge(problem, recordings);
-        let Tracks { tracks, spans } = &mut gauge.tracks;
+        let Tracks { tracks, spans, .. } = &mut gauge.tracks;
         spans.retain(|span| {
             let t_s = &tracks[span.track].t_s;
             let (first_s, last_s) = (t_s[span.start], t_s[span.end - 1]);

@@ -10,9 +10,10 @@ use super::model;
 use super::observer::Observer;
 use super::whiten::{Noise, Whitener};
 use super::windows::{HORIZON_S, SETTLE_S};
+use crate::budget::Budget;
 use crate::effects::Physics;
 use crate::read::Recording;
-use crate::residual::{Unknowns, recorded_commands, spans};
+use crate::residual::{Unknowns, horizon_s, recorded_commands, spans};
 use crate::screen::{Motion, Problem};
 
 /// One recording.
@@ -84,6 +85,7 @@ impl Machine {
 pub(super) struct Tracks<'a> {
     pub tracks: Vec<Track<'a>>,
     pub spans: Vec<Span>,
+    budget: &'a Budget,
 }
 
 impl<'a> Tracks<'a> {
@@ -100,13 +102,13 @@ impl<'a> Tracks<'a> {
             .collect();
         let spans = pairs().enumerate().flat_map(|(track, (recording, motion))| {
             let settled_s = recording.t_s[0] + SETTLE_S;
-            let found = spans(recording, HORIZON_S).into_iter();
+            let found = spans(recording, horizon_s(recording, HORIZON_S)).into_iter();
             found
                 .filter(move |&(start, _)| recording.t_s[start] >= settled_s)
                 .map(move |(start, end)| span(problem, motion, track, start, end))
         });
         let spans = spans.collect();
-        Self { tracks, spans }
+        Self { tracks, spans, budget: &problem.budget }
     }
 
     /// Rows of all windows less the start states: what noise alone would leave.
@@ -150,7 +152,13 @@ impl<'a> Tracks<'a> {
                 states
             });
             let unknowns = Unknowns::of(&model);
-            Ok(Machine { mechanics: Mechanics::new(&model)?, model, timeline, unknowns, inside })
+            Ok(Machine {
+                mechanics: Mechanics::new(&model)?.counting(self.budget.counter()),
+                model,
+                timeline,
+                unknowns,
+                inside,
+            })
         })
         .collect()
     }

@@ -1,5 +1,8 @@
 //! Residuals of a machine over several recordings.
 
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+
 use crate::Error;
 use crate::effects::Physics;
 use plant::State;
@@ -11,21 +14,27 @@ use crate::refit::model;
 use crate::residual::{Residual, residual_from};
 use crate::screen::Motion;
 
-/// Length of the windows that an answer reports, s.
+/// Length of the windows that an answer reports, s, where ten rows take no longer.
 pub const HORIZON_S: f64 = 0.05;
 
+/// The coarsest sampling that is diagnosed, s: with it a window is half a second, and what a machine does between two rows
+/// is no more than a tenth of that.
+pub const COARSEST_S: f64 = 0.05;
+
 /// What was commanded before the first row is not known, and acts this long, s.
-pub(super) const SETTLE_S: f64 = 0.03;
+pub(crate) const SETTLE_S: f64 = 0.03;
 
 /// Short windows of one machine over some recordings.
 #[derive(Debug)]
 pub struct Windows {
     /// One for each recording.
     pub residuals: Vec<Residual>,
+    /// Steps that the simulations took, see [`crate::budget`].
+    pub work: u64,
 }
 
 impl Windows {
-    /// Runs the machine over the recordings in windows of `horizon_s`; the first of them is number `first` of the machine's
+    /// Runs the machine over the recordings in windows of `horizon_s`, or of ten rows where those are longer; the first of them is number `first` of the machine's
     /// pushes and phases. Bristles and loads are sought from where an observer along the recorded motion has them; `resolution`
     /// is the smallest step of the position, rad (m).
     ///
@@ -38,6 +47,7 @@ impl Windows {
         resolution: f64,
         horizon_s: f64,
     ) -> Result<Self, Error> {
+        let work = Arc::default();
         let each = recordings.par_iter().enumerate();
         let residuals = each.map(|(index, recording)| {
             let model = model(physics, first + index);
@@ -49,12 +59,18 @@ impl Windows {
                 Vec::new()
             };
             let inside = |row: usize| inside.get(row).copied().unwrap_or_else(State::default);
-            let mut all = residual_from(&model, recording, horizon_s, &inside)?;
+            let mut all = residual_from(&model, recording, horizon_s, &inside, &work)?;
             let settled_s = recording.t_s[0] + SETTLE_S;
             all.windows.retain(|window| recording.t_s[window.start] >= settled_s);
             Ok(all)
         });
-        Ok(Self { residuals: residuals.collect::<Result<_, Error>>()? })
+        let residuals = residuals.collect::<Result<_, Error>>()?;
+        Ok(Self { residuals, work: work.load(Ordering::Relaxed) })
+    }
+
+    /// Length of the windows, s; the longest of all recordings.
+    pub fn horizon_s(&self) -> f64 {
+        self.residuals.iter().map(|residual| residual.horizon_s).fold(0.0, f64::max)
     }
 
     /// Root mean square over all samples of all windows, rad (m); 0 without any.

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 /// What the tool concludes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "lowercase")]
 pub enum Verdict {
     /// Nothing is missing beyond the noise floor.
@@ -17,6 +17,16 @@ pub enum Verdict {
     Unknown,
     /// The recorded commands are not what the control law computes.
     Controller,
+}
+
+impl Verdict {
+    /// Whether the effects of the answer are believed; else they are what a fit took for want of something better.
+    pub fn believes_its_effects(self) -> bool {
+        match self {
+            Self::None | Self::Named | Self::Ambiguous | Self::Controller => true,
+            Self::Unknown => false,
+        }
+    }
 }
 
 /// The whole answer.

@@ -10,8 +10,10 @@ use crate::plot::{Figure, Mark, Panel, Series};
 use crate::read::{Axis, Recording};
 use crate::residual::{Channel, Map, Orders, Residual, Window, residual, sensor_noise};
 
-/// Window lengths, s (diagnosis.md: two residuals that work).
-pub const HORIZONS_S: [f64; 2] = [0.05, 0.2];
+/// Length of the shorter windows, s (diagnosis.md: two residuals that work), where ten rows take no longer;
+pub const HORIZON_S: f64 = 0.05;
+/// the longer ones are so many times that.
+const LONGER: f64 = 4.0;
 /// Windows named as the worst.
 const WORST: usize = 5;
 
@@ -32,8 +34,9 @@ impl<'a> Comparison<'a> {
     /// # Errors
     /// A recording too short for the windows, or a model the plant refuses.
     pub fn new(model: &Model, axis: &Axis, recording: &'a Recording) -> Result<Self, Error> {
-        let residuals: Vec<Residual> =
-            HORIZONS_S.iter().map(|horizon_s| residual(model, recording, *horizon_s)).collect::<Result<_, _>>()?;
+        let short = residual(model, recording, HORIZON_S)?;
+        let long = residual(model, recording, LONGER * short.horizon_s)?;
+        let residuals = vec![short, long];
         let channels = [Channel::Direction, Channel::Speed, Channel::Position, Channel::Field, Channel::Time];
         let maps = channels.into_iter().filter_map(|channel| Map::over(channel, &residuals[0], recording)).collect();
         Ok(Self {
@@ -46,7 +49,7 @@ impl<'a> Comparison<'a> {
         })
     }
 
-    /// Residual of the windows of 50 ms, root mean square, rad (m).
+    /// Residual of the shorter windows, root mean square, rad (m).
     pub fn rms(&self) -> f64 {
         self.residuals[0].rms()
     }
@@ -169,7 +172,7 @@ impl Display for Comparison<'_> {
         writeln!(f, "{}: {} rows, {length_s:.3} s, {} gaps", r.name, r.t_s.len(), r.gaps.len())?;
         self.write_windows(f)?;
         self.write_maps(f)?;
-        writeln!(f, "worst windows of {:.0} ms:", 1e3 * HORIZONS_S[0])?;
+        writeln!(f, "worst windows of {:.0} ms:", 1e3 * self.residuals[0].horizon_s)?;
         for window in self.worst() {
             writeln!(
                 f,

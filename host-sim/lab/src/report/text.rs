@@ -24,6 +24,9 @@ fn write_summary(text: &mut String, answer: &Answer) -> std::fmt::Result {
     if answer.verdict == Verdict::Unknown {
         write_unknown(text, answer)?;
     }
+    if !answer.verdict.believes_its_effects() && !answer.effects.is_empty() {
+        writeln!(text, "\nFitted, but not believed:")?;
+    }
     answer.effects.iter().try_for_each(|effect| write_effect(text, effect))?;
     write_fit(text, &answer.fit)?;
     for location in answer.locations.iter().take(3) {
@@ -47,6 +50,11 @@ fn write_summary(text: &mut String, answer: &Answer) -> std::fmt::Result {
     Ok(())
 }
 
+/// A share in per cent with one decimal, never rounded up: what is nearly the whole is not all of it.
+pub(super) fn per_cent(share: f64) -> String {
+    format!("{:.1}", (1000.0 * share + 1e-9).floor() / 10.0)
+}
+
 /// An effect with its values and why it is believed.
 fn write_effect(text: &mut String, effect: &EffectAnswer) -> std::fmt::Result {
     writeln!(text, "\n{}: {}", effect.id, effect.text)?;
@@ -56,10 +64,10 @@ fn write_effect(text: &mut String, effect: &EffectAnswer) -> std::fmt::Result {
     let e = effect.evidence;
     writeln!(
         text,
-        "  held-out error {:.1} % less, p = {:.1e}, explains {:.0} % of the excess",
-        100.0 * e.heldout_gain,
+        "  held-out error {} % less, p = {:.1e}, explains {} % of the excess",
+        per_cent(e.heldout_gain),
         e.p_value,
-        100.0 * e.excess_explained
+        per_cent(e.excess_explained)
     )?;
     if !effect.equivalent.is_empty() {
         writeln!(text, "  these recordings cannot tell it from: {}", effect.equivalent.join(", "))?;
@@ -102,9 +110,9 @@ fn write_unknown(text: &mut String, answer: &Answer) -> std::fmt::Result {
     };
     let beside =
         if formula.on_top_of.is_empty() { "the nominal model".to_owned() } else { formula.on_top_of.join(" with ") };
-    let (gain, explained) = (100.0 * formula.heldout_gain, 100.0 * formula.excess_explained);
+    let (gain, explained) = (per_cent(formula.heldout_gain), per_cent(formula.excess_explained));
     writeln!(text, "Missing beside {beside}: {}", formula.text)?;
-    writeln!(text, "  held-out error {gain:.1} % less, {explained:.0} % of the excess explained")?;
+    writeln!(text, "  held-out error {gain} % less, {explained} % of the excess explained")?;
     for p in formula.terms.iter().flat_map(|term| &term.parameters) {
         writeln!(text, "  {} = {:.6} ({:.6} to {:.6}) {}", p.id, p.value, p.low, p.high, p.unit)?;
     }

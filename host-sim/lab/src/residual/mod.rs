@@ -20,5 +20,5 @@ pub use noise::sensor_noise;
 pub use orders::{Order, Orders};
 pub(crate) use start_state::curvature;
 pub(crate) use unknowns::Unknowns;
-pub(crate) use window::spans;
 pub use window::{Residual, Window, residual, residual_from};
+pub(crate) use window::{horizon_s, median_period_s, no_window, spans};

@@ -1,5 +1,8 @@
 //! Short windows of the model against the recording.
 
+use std::sync::Arc;
+use std::sync::atomic::AtomicU64;
+
 use plant::{Command, Mechanics, Model, State, Timeline};
 use rayon::prelude::*;
 
@@ -73,16 +76,43 @@ impl Residual {
     }
 }
 
-/// Runs `model` over `recording` in windows of `horizon_s`, each from its best start state, bristles and load included.
+/// Rows that a window has at least, whatever the sampling: two of them go into its start state.
+const LEAST_ROWS: f64 = 10.0;
+
+/// Length of the windows of a recording, s: as wished, or as long as enough rows take.
+pub(crate) fn horizon_s(recording: &Recording, wished_s: f64) -> f64 {
+    wished_s.max(LEAST_ROWS * median_period_s(&recording.t_s))
+}
+
+/// Median time from row to row, s; 1 ms without two rows.
+pub(crate) fn median_period_s(t_s: &[f64]) -> f64 {
+    let mut spans: Vec<f64> = t_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    spans.sort_by(f64::total_cmp);
+    spans.get(spans.len() / 2).copied().unwrap_or(1e-3)
+}
+
+/// In words, why a recording has no window of that length, s.
+pub(crate) fn no_window(recording: &Recording, horizon_s: f64) -> String {
+    let name = &recording.name;
+    let length_s = recording.t_s.last().unwrap_or(&0.0) - recording.t_s.first().unwrap_or(&0.0);
+    let window = format!("a window of {} rows takes {horizon_s:.3} s", LEAST_ROWS);
+    if length_s < 3.0 * horizon_s || recording.gaps.is_empty() {
+        return format!("{name}: {length_s:.3} s long, and {window}; record at least {:.1} s", 40.0 * horizon_s);
+    }
+    let gaps = recording.gaps.len();
+    format!("{name}: {gaps} gaps, no two of which are far enough apart: {window}; record without losing rows")
+}
+
+/// Runs `model` over `recording` in windows of `horizon_s`, or of ten rows where those are longer, each from its best start state, bristles and load included.
 ///
 /// # Errors
 /// A recording too short for one window, or a model the plant refuses.
 pub fn residual(model: &Model, recording: &Recording, horizon_s: f64) -> Result<Residual, Error> {
-    residual_from(model, recording, horizon_s, &|_| State::default())
+    residual_from(model, recording, horizon_s, &|_| State::default(), &Arc::default())
 }
 
 /// The same where the state inside the machine (bristles, a load behind a shaft) is about known at the row a window starts
-/// with: the estimate begins with what `inside` gives.
+/// with: the estimate begins with what `inside` gives. The steps of the simulations are added to `work`.
 ///
 /// # Errors
 /// As [`residual`].
@@ -91,6 +121,7 @@ pub fn residual_from(
     recording: &Recording,
     horizon_s: f64,
     inside: &(dyn Fn(usize) -> State + Sync),
+    work: &Arc<AtomicU64>,
 ) -> Result<Residual, Error> {
     let unusable = |error: plant::Error| Error::Usage(format!("{}: {error}", recording.name));
     let commands = recorded_commands(recording);
@@ -98,14 +129,11 @@ pub fn residual_from(
     let before = commands.first().copied().unwrap_or_default();
     let before = Command { speed_estimate: 0.0, ..before };
     let timeline = Timeline::new(model, &recording.t_s, &commands, &before).map_err(unusable)?;
-    let mechanics = Mechanics::new(model).map_err(unusable)?;
+    let mechanics = Mechanics::new(model).map_err(unusable)?.counting(work);
+    let horizon_s = self::horizon_s(recording, horizon_s);
     let spans = spans(recording, horizon_s);
     if spans.is_empty() {
-        let length_s = recording.t_s.last().unwrap_or(&0.0) - recording.t_s.first().unwrap_or(&0.0);
-        return Err(Error::Usage(format!(
-            "{}: {length_s:.3} s without a window of {horizon_s} s between gaps; record longer",
-            recording.name
-        )));
+        return Err(Error::Usage(no_window(recording, horizon_s)));
     }
     let fit = Fit { mechanics: &mechanics, timeline: &timeline, recording, model, inside };
     let what = format!("{}, windows of {:.0} ms", recording.name, 1e3 * horizon_s);
@@ -220,7 +248,18 @@ mod tests {
     #[test]
     fn too_short_a_recording_says_so() {
         let error = residual(&Model::new(1.0), &regular(30), 0.05).unwrap_err();
-        assert_eq!(error.to_string(), "hand.csv: 0.029 s without a window of 0.05 s between gaps; record longer");
+        assert_eq!(
+            error.to_string(),
+            "hand.csv: 0.029 s long, and a window of 10 rows takes 0.050 s; record at least 2.0 s"
+        );
+    }
+
+    #[test]
+    fn windows_of_a_coarse_recording_are_as_long_as_ten_rows() {
+        let t_s: Vec<f64> = (0..200).map(|row| f64::from(row) * 0.016).collect();
+        let coarse = recording(t_s.clone(), t_s);
+        let left = residual(&Model::new(1.0), &coarse, 0.05).unwrap();
+        assert!((left.horizon_s - 0.16).abs() < 1e-12 && left.windows.len() == 19, "{left:?}");
     }
 
     #[test]

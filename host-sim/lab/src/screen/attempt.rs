@@ -75,7 +75,7 @@ impl Search<'_> {
         };
         let finalists = glimpsed.iter().take(finalists);
         let fits = finalists.map(|(_, entry)| fitter.fit_on(&with(entry), iterations, known));
-        let best = fits.min_by(|a, b| a.sse.total_cmp(&b.sse))?;
+        let best = fits.filter(Fit::is_finite).min_by(|a, b| a.sse.total_cmp(&b.sse))?;
         Some((best, variants))
     }
 
@@ -117,7 +117,7 @@ impl Search<'_> {
             let known = fitter.base(&best);
             let more = fitter.fit_on(&[best.active.as_slice(), &[entry]].concat(), ITERATIONS, &known);
             let gain = 1.0 - (more.heldout_sse() / best.heldout_sse()).sqrt();
-            if gain < MIN_GAIN {
+            if gain < MIN_GAIN || !more.is_finite() {
                 break;
             }
             best = more;

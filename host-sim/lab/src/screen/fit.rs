@@ -34,6 +34,13 @@ impl Fit {
         self.heldout.iter().sum()
     }
 
+    /// Whether every number of it is one: a candidate that is not finite is no candidate.
+    pub(crate) fn is_finite(&self) -> bool {
+        let values = self.active.iter().flat_map(|entry| &entry.values);
+        let numbers = values.chain(self.residual.iter()).chain(self.jacobian.iter()).chain(&self.heldout);
+        self.sse.is_finite() && numbers.into_iter().all(|number| number.is_finite())
+    }
+
     /// Whether a value of the last effect stands where the search ends.
     pub fn at_bound(&self) -> bool {
         self.active.last().is_some_and(Active::at_bound)
@@ -139,9 +146,10 @@ impl Fitter<'_> {
         self.problem.fitted_equations()
     }
 
-    /// Sum of squares over the equations to fit.
+    /// Sum of squares over the equations to fit; infinite where a residual is no number, so that no search goes there.
     fn squares(&self, residual: &DVector<f64>) -> f64 {
-        residual.rows_range(..self.count()).norm_squared()
+        let squares = residual.rows_range(..self.count()).norm_squared();
+        if squares.is_finite() { squares } else { f64::INFINITY }
     }
 
     /// What one bounded step from these values would reach: sum of squares, and the values.
@@ -340,9 +348,9 @@ pub(crate) fn solve(normal: &DMatrix<f64>, gradient: &DVector<f64>, damping: f64
         scaled[(index, index)] = if scale[index] > 0.0 { 1.0 + damping + 1e-10 } else { 1.0 };
     }
     let pull = gradient.component_mul(&scale);
-    scaled
-        .cholesky()
-        .map_or_else(|| DVector::zeros(gradient.len()), |factor| -factor.solve(&pull).component_mul(&scale))
+    let step = scaled.cholesky().map(|factor| -factor.solve(&pull).component_mul(&scale));
+    // A step that is no number leads nowhere.
+    step.filter(|step| step.iter().all(|change| change.is_finite())).unwrap_or_else(|| DVector::zeros(gradient.len()))
 }
 
 #[cfg(test)]

@@ -101,7 +101,14 @@ pub(crate) fn f_test(problem: &Problem, base: f64, residual: &DVector<f64>, (add
     let inflation = inflation(problem, residual);
     let (added, count) = (added as f64, (equations as f64 / inflation - free as f64).max(1.0));
     let statistic = (base - left).max(0.0) / added / inflation / (left / equations as f64);
-    FisherSnedecor::new(added, count).map_or(1.0, |f| f.sf(statistic).max(1e-300))
+    tail(added, count, statistic).max(1e-300)
+}
+
+/// Probability that a variable of the F-distribution of these freedoms is larger; 1 where the statistic is no number, for then
+/// nothing was compared: no residual at all, or squares that overflow.
+pub(crate) fn tail(added: f64, count: f64, statistic: f64) -> f64 {
+    let distribution = FisherSnedecor::new(added, count).ok().filter(|_| statistic.is_finite() && count.is_finite());
+    distribution.map_or(1.0, |f| f.sf(statistic))
 }
 
 /// How many neighbouring equations count as one: one plus twice the tapered autocorrelations over 0.1 s.

@@ -19,6 +19,10 @@ pub(crate) struct Pull {
     pub corrected: Vec<f64>,
 }
 
+/// A contact so stiff that a cell would take more Runge-Kutta steps than this has settled by the end of the cell: it is
+/// crossed as if it lasted.
+const MOST_STEPS: f64 = 512.0;
+
 /// The shaft in numbers, SI.
 #[derive(Debug, Clone, Copy)]
 struct Shaft {
@@ -73,10 +77,14 @@ impl Shaft {
         if self.half_gap > 0.0 && stretch.abs() <= self.half_gap { 0.0 } else { self.contact(stretch, rate, stretch) }
     }
 
-    /// Moves the load over a cell by Runge-Kutta steps, into and out of contact; gives its change of speed.
-    fn advance(&self, rotor: &Rotor, span: f64, state: &mut State) -> f64 {
-        let fastest = (self.stiffness / self.moved).sqrt();
-        let steps = (span * fastest / 0.3).ceil().clamp(1.0, 64.0);
+    /// Runge-Kutta steps that a cell takes: a third of a radian of the fastest motion each.
+    fn steps(&self, span: f64) -> f64 {
+        let fastest = (self.stiffness / self.moved).sqrt().max(0.5 * self.damping / self.moved);
+        (span * fastest / 0.3).ceil().max(1.0)
+    }
+
+    /// Moves the load over a cell by that many steps, into and out of contact; gives its change of speed.
+    fn advance(&self, rotor: &Rotor, (span, steps): (f64, f64), state: &mut State) -> f64 {
         let h = span / steps;
         let before = state.v;
         for step in 0..steps as usize {
@@ -119,15 +127,24 @@ impl Swing {
         let (square, half) = (self.shaft.stiffness / self.shaft.moved, 0.5 * self.shaft.damping / self.shaft.moved);
         let apart = square - half * half;
         let root = apart.abs().sqrt();
-        let (cosine, sine) = match apart {
-            _ if root * span < 1e-9 => (1.0, span),
-            apart if apart > 0.0 => ((root * span).cos(), (root * span).sin() / root),
-            _ => ((root * span).cosh(), (root * span).sinh() / root),
-        };
         let decay = (-half * span).exp();
-        self.matrix =
-            [[decay * (cosine + half * sine), decay * sine], [-decay * square * sine, decay * (cosine - half * sine)]];
+        let (cosine, sine) = match apart {
+            _ if root * span < 1e-9 => (decay, decay * span),
+            apart if apart > 0.0 => (decay * (root * span).cos(), decay * (root * span).sin() / root),
+            // Each exponential by itself: together they overflow where their product with the decay does not.
+            _ => {
+                let (slow, fast) = ((-(half - root) * span).exp(), (-(half + root) * span).exp());
+                (0.5 * (slow + fast), 0.5 * (slow - fast) / root)
+            }
+        };
+        self.matrix = [[cosine + half * sine, sine], [-square * sine, cosine - half * sine]];
         self.span = span;
+    }
+
+    /// What twist and its rate become of themselves over a span.
+    fn over(&mut self, span: f64) -> [[f64; 2]; 2] {
+        self.cross(span);
+        self.matrix
     }
 
     /// Moves the load over a cell; gives its change of speed.
@@ -144,25 +161,44 @@ impl Swing {
     }
 }
 
-/// Motion of a load in its gap: exact through cells in which it only flies or only touches.
-struct Bounce {
+/// Motion of a load behind its rotor: exact without a gap, and through cells in which it only flies or only touches.
+pub(crate) struct Bounce {
     shaft: Shaft,
     swing: Swing,
 }
 
 impl Bounce {
+    /// Of a load on a machine of that inertia, kg m2 (kg).
+    pub(crate) fn new(load: &Load, inertia: f64) -> Self {
+        let shaft = Shaft::new(load, inertia);
+        Self { shaft, swing: Swing::new(shaft) }
+    }
+
+    /// Position and speed of the load after a cell of `span` seconds, from those before it; the rotor begins the cell with a
+    /// position and a speed and accelerates evenly.
+    pub(crate) fn along(&mut self, (x, v): (f64, f64), (q, w): (f64, f64), rate: f64, span: f64) -> (f64, f64) {
+        let (rotor, mut state) = (Rotor { q, w, rate }, State { x, v });
+        self.advance(&rotor, span, &mut state);
+        (state.x, state.v)
+    }
+
     /// Moves the load over a cell; gives its change of speed.
     fn advance(&mut self, rotor: &Rotor, span: f64, state: &mut State) -> f64 {
         let half_gap = self.shaft.half_gap;
+        if half_gap == 0.0 {
+            return self.swing.advance(rotor, span, state);
+        }
         let stretch = rotor.q - state.x;
         let end = rotor.at(span).0;
+        let steps = self.shaft.steps(span);
         let whole = if stretch.abs() > half_gap {
             // In contact the load hangs on a rotor that is half the gap nearer.
             let shift = half_gap.copysign(stretch);
             let mut next = State { x: state.x + shift, v: state.v };
             let change = self.swing.advance(rotor, span, &mut next);
             next.x -= shift;
-            ((end - next.x) * stretch.signum() > half_gap).then_some((next, change))
+            let settles = steps > MOST_STEPS;
+            (settles || (end - next.x) * stretch.signum() > half_gap).then_some((next, change))
         } else {
             let next = State { x: state.x + state.v * span, v: state.v };
             ((end - next.x).abs() <= half_gap).then_some((next, 0.0))
@@ -172,7 +208,7 @@ impl Bounce {
                 *state = next;
                 change
             }
-            None => self.shaft.advance(rotor, span, state),
+            None => self.shaft.advance(rotor, (span, steps.min(MOST_STEPS)), state),
         }
     }
 }
@@ -201,12 +237,10 @@ impl Filter {
         Self { xx: 0.25 * shaft.half_gap * shaft.half_gap, xv: 0.0, vv: 1e-6, seen, unrest: seen }
     }
 
-    /// Spread of the state over a cell.
-    fn predict(&mut self, shaft: &Shaft, touching: bool, span: f64) {
-        let (k, d) = if touching { (shaft.stiffness / shaft.moved, shaft.damping / shaft.moved) } else { (0.0, 0.0) };
-        // Spring before position: without damping its map keeps areas, so a stiff contact does not blow the spread up.
-        let (a, b, c) = (1.0 - k * span * span, span * (1.0 - d * span).max(0.0), -k * span);
-        let e = (1.0 - d * span).max(0.0);
+    /// Spread of the state over a cell of `span` seconds, which `crossed` takes the load through. Exact, so that the spread is
+    /// bounded however stiff the contact is against the cell.
+    fn predict(&mut self, shaft: &Shaft, crossed: [[f64; 2]; 2], span: f64) {
+        let [[a, b], [c, e]] = crossed;
         let (xx, xv, vv) = (self.xx, self.xv, self.vv);
         self.xx = a * a * xx + 2.0 * a * b * xv + b * b * vv;
         self.xv = a * c * xx + (a * e + b * c) * xv + b * e * vv;
@@ -227,9 +261,10 @@ impl Filter {
         let (px, pv) = (self.xx * hx + self.xv * hv, self.xv * hx + self.vv * hv);
         let variance = px * hx + pv * hv + self.seen * self.seen;
         let (gx, gv) = (px / variance, pv / variance);
-        self.xx -= gx * px;
+        // Rounding may leave a hair below zero.
+        self.xx = (self.xx - gx * px).max(0.0);
         self.xv -= gx * pv;
-        self.vv -= gv * pv;
+        self.vv = (self.vv - gv * pv).max(0.0);
         let surprise = seen - expected;
         (gx * surprise, gv * surprise)
     }
@@ -291,7 +326,8 @@ fn behind_a_gap(motion: &Motion, shaft: &Shaft, shown: &[f64]) -> Pull {
         }
         let stretch = rotor.at(span).0 - state.x;
         let touching = stretch.abs() > shaft.half_gap;
-        filter.predict(shaft, touching, span);
+        let crossed = if touching { bounce.swing.over(span) } else { [[1.0, span], [0.0, 1.0]] };
+        filter.predict(shaft, crossed, span);
         let seen = shown[cell];
         if touching || seen.abs() > TOUCHES * spread {
             let side = if touching { stretch } else { seen };
@@ -329,10 +365,32 @@ mod tests {
             let change = bounce.advance(&rotor, 5e-4, &mut coarse);
             for step in 0..256 {
                 let (q, w) = rotor.at(f64::from(step) * 5e-4 / 256.0);
-                let _ = shaft.advance(&Rotor { q, w, ..rotor }, 5e-4 / 256.0, &mut fine);
+                let _ = shaft.advance(&Rotor { q, w, ..rotor }, (5e-4 / 256.0, 1.0), &mut fine);
             }
             assert!((coarse.x - fine.x).abs() < allowed, "{stretch} {rate}: {coarse:?} {fine:?}");
             assert!((change - (coarse.v - start.v)).abs() < 1e-12);
+        }
+    }
+
+    /// Cells of 8 ms under a contact of 500 Hz: the spread of the filter overflowed.
+    #[test]
+    fn a_contact_that_is_stiff_against_the_cell_stays_finite() {
+        for (resonance_hz, damping_ratio) in [(500.0, 1e-3), (500.0, 1.0), (500.0, 50.0), (1e5, 0.05)] {
+            let load = Load { resonance_hz, damping_ratio, inertia_ratio: 0.5, gap: 1e-4 };
+            let shaft = Shaft::new(&load, 0.1);
+            let mut bounce = Bounce::new(&load, 0.1);
+            let mut filter = Filter::new(&shaft, 0.01);
+            let (mut at, span) = ((0.0, 0.0), 8e-3);
+            for cell in 0..2000 {
+                let (t, turn) = (f64::from(cell) * span, 5.0);
+                let (q, w, rate) = ((turn * t).sin(), turn * (turn * t).cos(), -turn * turn * (turn * t).sin());
+                at = bounce.along(at, (q, w), rate, span);
+                let crossed = bounce.swing.over(span);
+                filter.predict(&shaft, crossed, span);
+                let (moved, faster) = filter.correct(&shaft, 0.0, 0.3);
+                assert!(moved.is_finite() && faster.is_finite(), "{resonance_hz} Hz: cell {cell}");
+                assert!((at.0 - q).abs() < 0.5 && at.1.abs() < 50.0, "{resonance_hz} Hz: cell {cell}, {at:?}");
+            }
         }
     }
 }

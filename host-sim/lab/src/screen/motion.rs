@@ -6,7 +6,7 @@ use super::smoother::{Smoothed, smooth};
 use super::waves::Waves;
 use crate::effects::Physics;
 use crate::read::{Mode, Recording};
-use crate::residual::unsettled;
+use crate::residual::{median_period_s, unsettled};
 
 /// Samples lost in a row that the held command may bridge; longer gaps end every window.
 const BRIDGED_S: f64 = 3e-3;
@@ -155,12 +155,6 @@ impl Motion {
     pub(crate) fn cells(&self) -> usize {
         self.cell_sign.len()
     }
-}
-
-fn median_period_s(t_s: &[f64]) -> f64 {
-    let mut spans: Vec<f64> = t_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    spans.sort_by(f64::total_cmp);
-    spans.get(spans.len() / 2).copied().unwrap_or(1e-3)
 }
 
 /// The law's speed estimate: backward difference and a low-pass of 1 ms (control.md section 3).

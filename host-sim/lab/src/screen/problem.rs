@@ -6,6 +6,7 @@ use super::load::{Pull, pull};
 use super::motion::Motion;
 use super::waves::{ErrorWave, Waves};
 use super::{balance, weak};
+use crate::budget::Budget;
 use crate::effects::{Effect, Load, Physics, Range};
 
 /// Half-widths of the bumps, s: fine enough to tell a lag from a dead time, wide enough for a coarse position.
@@ -76,6 +77,8 @@ pub struct Problem {
     /// First block of each recording, and the length of its blocks, s.
     spans: Vec<(usize, f64)>,
     pub(crate) nominal: Physics,
+    /// What may still be computed.
+    pub(crate) budget: Arc<Budget>,
 }
 
 /// Cell means of the parts of the balance in each recording; kept so that a trial computes only what it changes.
@@ -127,7 +130,12 @@ impl Problem {
             blocks += (span_s / block_s).ceil() as usize + 1;
             equations.append(&mut of_recording);
         }
-        Self { motions, fitted, equations, blocks, spans, nominal }
+        Self { motions, fitted, equations, blocks, spans, nominal, budget: Arc::default() }
+    }
+
+    /// The same within a budget that others share.
+    pub(crate) fn within(self, budget: &Arc<Budget>) -> Self {
+        Self { budget: Arc::clone(budget), ..self }
     }
 
     /// The same with the recordings to fit alone.
@@ -137,6 +145,7 @@ impl Problem {
             equations: self.equations[..self.fitted_equations()].to_vec(),
             spans: self.spans.clone(),
             nominal: self.nominal.clone(),
+            budget: Arc::clone(&self.budget),
             ..*self
         }
     }
@@ -230,6 +239,8 @@ impl Problem {
     /// inertia. Against the torque itself a model would improve by scaling inertia and all torques down together.
     pub(crate) fn residual(&self, parts: &Parts) -> Vec<f64> {
         let physics = &parts.physics;
+        let cells = self.motions.iter().map(Motion::cells).sum();
+        self.budget.spend_cells(cells, physics.load.is_some_and(|load| load.gap > 0.0));
         let inertia = parts.load.as_ref().map_or(physics.inertia, |(_, motor)| *motor);
         let nominal = self.nominal.inertia;
         let cells: Vec<Vec<f64>> = (0..self.motions.len())

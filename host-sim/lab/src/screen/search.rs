@@ -187,6 +187,9 @@ impl<'a> Search<'a> {
         let mut seen: Vec<Trial> = Vec::new();
         let mut first_step = None;
         for _ in 0..=MAX_EFFECTS {
+            if self.problem.budget.check() {
+                break;
+            }
             let before = fit.active.len();
             let next = self.forward(&fit, &mut seen);
             first_step.get_or_insert_with(|| accepted(&seen));
@@ -226,6 +229,7 @@ impl<'a> Search<'a> {
     fn couple(&mut self, base: &Fit, trials: &[Trial]) -> Option<Trial> {
         let strong = |trial: &&Trial| trial.gain >= HALF && !trial.at_bound();
         let halves = trials.iter().filter(strong).filter(|trial| !trial.effect.is_event()).take(COUPLED);
+        let halves = halves.take_while(|_| !self.problem.budget.check());
         let pairs: Vec<Trial> = halves.flat_map(|half| self.round(&half.fit)).collect();
         let everywhere = |trial: &Trial| fall_t(&base.heldout, &trial.fit.heldout) >= MIN_T;
         let accepted =

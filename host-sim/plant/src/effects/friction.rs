@@ -42,6 +42,18 @@ pub(crate) fn validate(model: &Model) -> Result<(), Error> {
     model.presliding_stiffness.map_or(Ok(()), |stiffness| positive("presliding.stiffness", stiffness))
 }
 
+/// The fastest time constant that is followed, s, a tenth of the fastest sampling: what is faster has settled long before the
+/// next sample. Laws without a closed form that are stiffer against the inertia get as much inertia, or as little
+/// stiffness, as makes them that fast, so that the cost of a second does not depend on them.
+pub(crate) const FASTEST_S: f64 = 5e-5;
+/// A bristle that bends less than this, rad (m), may bend as much: it is less than a step of a usual sensor.
+const UNSEEN: f64 = 1e-5;
+
+/// The stiffness of a bristle with that level that is followed on an inertia: one whose bending is seen keeps it.
+pub(crate) fn followed(stiffness: f64, level: f64, inertia: f64) -> f64 {
+    stiffness.min((inertia / (FASTEST_S * FASTEST_S)).max(level / UNSEEN))
+}
+
 /// Beyond this many times its velocity less than 1e-21 of a Stribeck excess is left.
 const BEYOND: f64 = 7.0;
 
@@ -54,6 +66,8 @@ pub struct Friction {
     /// One over the Stribeck velocity, s/rad.
     per_velocity: f64,
     quadratic: f64,
+    /// Speed beyond which the quadratic drag goes on along its slope, rad/s.
+    quadratic_until: f64,
     /// Bristle stiffness of the dry part; none for set-valued friction.
     stiffness: Option<f64>,
 }
@@ -69,8 +83,24 @@ impl Friction {
             stribeck,
             per_velocity: stribeck.velocity.recip(),
             quadratic: model.quadratic_drag,
-            stiffness: model.presliding_stiffness,
+            quadratic_until: 0.5 * model.inertia / (FASTEST_S * model.quadratic_drag),
+            stiffness: model.presliding_stiffness.map(|stiffness| followed(stiffness, model.coulomb, model.inertia)),
         }
+    }
+
+    /// Inertia below which a law would be faster than [`FASTEST_S`], kg m2 (kg).
+    pub(crate) fn least_inertia(&self) -> f64 {
+        let viscous = self.viscous[0].max(self.viscous[1]);
+        (viscous * FASTEST_S).max(self.stiffness.unwrap_or(0.0) * FASTEST_S * FASTEST_S)
+    }
+
+    /// Quadratic drag against motion of that sign, N m, and its slope, N m s/rad.
+    #[inline]
+    fn quadratic(&self, sign: f64, w: f64) -> (f64, f64) {
+        let (speed, until) = (w.abs(), self.quadratic_until);
+        let within = speed.min(until);
+        let slope = 2.0 * self.quadratic * within;
+        (sign * (self.quadratic * within * within + slope * (speed - within)), slope)
     }
 
     /// Coulomb level against motion of that sign, N m.
@@ -107,7 +137,7 @@ impl Friction {
     }
 
     /// Coefficient of w |w|, N m s2/rad2.
-    pub fn quadratic(&self) -> f64 {
+    pub fn quadratic_coefficient(&self) -> f64 {
         self.quadratic
     }
 
@@ -119,7 +149,10 @@ impl Friction {
     /// Drag torque, signed like the motion, N m; `bristle` is the force of the bristle, used where there is one.
     #[inline]
     pub(crate) fn torque(&self, sign: f64, w: f64, bristle: f64) -> f64 {
-        let mut torque = self.viscous(sign) * w + sign * self.quadratic * w * w;
+        let mut torque = self.viscous(sign) * w;
+        if self.quadratic != 0.0 {
+            torque += self.quadratic(sign, w).0;
+        }
         let excess = self.excess(w);
         if self.stiffness.is_none() {
             torque += sign * (self.coulomb(sign) + excess);
@@ -144,7 +177,7 @@ impl Friction {
 
     /// Longest step over which the laws are smooth, s, at speed `w` and an acceleration of at most `acceleration`.
     pub(crate) fn longest_step(&self, sign: f64, w: f64, bristle: f64, acceleration: f64, inertia: f64) -> f64 {
-        let mut step = 0.25 * inertia / (self.viscous(sign) + 2.0 * self.quadratic * w.abs());
+        let mut step = 0.25 * inertia / (self.viscous(sign) + self.quadratic(sign, w).1);
         if self.stribeck.excess > 0.0 {
             let beyond = w.abs() - BEYOND * self.stribeck.velocity;
             let slow = (0.5 * self.stribeck.velocity / acceleration)

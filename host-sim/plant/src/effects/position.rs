@@ -1,6 +1,6 @@
 //! Torques that depend on the position: `cogging`, `gravity_load`, `spring_load`.
 
-use super::friction::travel_time;
+use super::friction::{FASTEST_S, travel_time};
 use crate::model::{check, finite, not_negative};
 use crate::{Error, Model};
 
@@ -102,7 +102,13 @@ impl PositionTorque {
         self.amplitude + self.spring_stiffness * position.abs()
     }
 
-    /// Longest step over which the torque is smooth, s.
+    /// Inertia below which the spring would be faster than [`FASTEST_S`], kg m2 (kg).
+    pub(crate) fn least_inertia(&self) -> f64 {
+        self.spring_stiffness * FASTEST_S * FASTEST_S
+    }
+
+    /// Longest step over which the torque is smooth, s. Waves that are passed or swung in faster than [`FASTEST_S`] are bounded
+    /// and have no time to move the rotor; they set no step.
     pub(crate) fn longest_step(&self, w: f64, acceleration: f64, inertia: f64) -> f64 {
         let mut step = f64::INFINITY;
         if self.steepest > 0.0 {
@@ -111,6 +117,6 @@ impl PositionTorque {
         if self.highest_order > 0.0 {
             step = step.min(travel_time(1.0 / self.highest_order, w.abs(), acceleration));
         }
-        step
+        step.max(0.25 * FASTEST_S)
     }
 }

@@ -7,6 +7,7 @@
 
 use std::f64::consts::TAU;
 
+use super::friction::FASTEST_S;
 use crate::Error;
 use crate::model::{not_negative, positive};
 
@@ -72,15 +73,17 @@ impl ShaftLaw {
         }
         let (motor_inertia, load_inertia) = (inertia / (1.0 + ratio), inertia * ratio / (1.0 + ratio));
         let reduced = motor_inertia * load_inertia / inertia;
-        let resonance_rad_s = TAU * shaft.resonance_hz;
+        // A faster shaft is as good as a rigid one, and one more damped creeps as slowly.
+        let resonance_rad_s = (TAU * shaft.resonance_hz).min(FASTEST_S.recip());
+        let damping_rate = (2.0 * shaft.damping_ratio * resonance_rad_s).min(FASTEST_S.recip());
         Some(Self {
             motor_inertia,
             per_load_inertia: load_inertia.recip(),
             stiffness: reduced * resonance_rad_s * resonance_rad_s,
-            damping: 2.0 * shaft.damping_ratio * reduced * resonance_rad_s,
+            damping: reduced * damping_rate,
             half_gap: 0.5 * shaft.gap,
             resonance_rad_s,
-            damping_rate: 2.0 * shaft.damping_ratio * resonance_rad_s,
+            damping_rate,
         })
     }
 

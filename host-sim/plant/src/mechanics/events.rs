@@ -61,14 +61,18 @@ const PATIENCE: i32 = 64;
 /// The shortest advance then doubles every so many turns, so that a segment always ends: chatter becomes its own mean.
 const TURNS_TO_DOUBLE: i32 = 4;
 
+/// Shortest step that a law may ask for, s: laws are followed down to 50 us, and a number at the end of what a double holds
+/// may ask for none at all.
+const LEAST_STEP_S: f64 = 1e-6;
+
 /// Shortest advance of an event after so many turns within one segment, s.
 fn least_advance_s(turns: i32) -> f64 {
     LEAST_ADVANCE_S * 2.0_f64.powi(((turns - PATIENCE) / TURNS_TO_DOUBLE).max(0))
 }
 
-/// Moves `x` from `from_s` to `to_s` within the segment; both count from its start.
+/// Moves `x` from `from_s` to `to_s` within the segment; both count from its start. Gives the number of steps and events.
 #[inline]
-pub(crate) fn run<F: Flow>(flow: &F, segment: &Segment, from_s: f64, to_s: f64, x: &mut State) {
+pub(crate) fn run<F: Flow>(flow: &F, segment: &Segment, from_s: f64, to_s: f64, x: &mut State) -> i32 {
     let mut t = from_s;
     let mut turns = 0;
     flow.enter(segment, t, x);
@@ -80,6 +84,7 @@ pub(crate) fn run<F: Flow>(flow: &F, segment: &Segment, from_s: f64, to_s: f64, 
         };
         turns += 1;
     }
+    turns
 }
 
 /// Waits for break-away; returns the time reached. The rotor has not moved, but a load behind it may have.
@@ -112,6 +117,7 @@ fn rest<F: Flow>(flow: &F, segment: &Segment, (t, to_s): (f64, f64), least_s: f6
 /// A step of at most `longest` that ends exactly at `to_s` if it reaches it: its length and its end.
 #[inline]
 fn cut(t: f64, to_s: f64, longest: f64) -> (f64, f64) {
+    let longest = longest.max(LEAST_STEP_S);
     if longest < to_s - t { (longest, t + longest) } else { (to_s - t, to_s) }
 }
 

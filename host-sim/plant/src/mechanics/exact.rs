@@ -127,17 +127,10 @@ impl Flow for Exact {
         Balance { push, hold: drag.level + drag.linear + drag.square }
     }
 
-    /// No limit unless viscous friction meets a decaying torque, whose joint series holds up to exponents of one half.
+    /// No limit: every rate has a closed form, however stiff the drag is against the inertia.
     #[inline]
-    fn longest_step(&self, segment: &Segment, t: f64, x: &State) -> f64 {
-        let fluid_rate = if segment.fluid.amplitude == 0.0 { 0.0 } else { 2.0 * segment.fluid.rate };
-        let torque_rate = if segment.torque.amplitude == 0.0 { 0.0 } else { segment.torque.rate };
-        let fastest = fluid_rate.max(torque_rate);
-        if fastest == 0.0 {
-            return f64::INFINITY;
-        }
-        let beta = self.drag(segment, t, x.motion.sign(), x.fluid_regime).viscous / self.inertia;
-        if beta == 0.0 { f64::INFINITY } else { 0.5 / fastest.max(beta) }
+    fn longest_step(&self, _segment: &Segment, _t: f64, _x: &State) -> f64 {
+        f64::INFINITY
     }
 
     #[inline]

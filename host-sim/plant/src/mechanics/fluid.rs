@@ -1,7 +1,16 @@
 //! The fluid seen from the rotor: a drag level from a field, a spring below yield, or a limited viscosity.
 
 use super::state::State;
+use crate::effects::friction::{FASTEST_S, followed};
 use crate::{FluidResponse, Model};
+
+/// Highest field of the drive, kV/mm (control.md section 4).
+const HIGHEST_KV_MM: f64 = 3.5;
+/// Least speed that the coefficient of viscosity is reckoned with, rad/s (control.md section 4).
+const SLOWEST_RAD_S: f64 = 0.002;
+/// The fastest time constant of a viscosity that is followed, s: shorter than that of the other laws, for at rest the
+/// coefficient of a usual fluid on a usual rotor has 60 us.
+const FASTEST_VISCOSITY_S: f64 = 1e-5;
 
 /// Which side of its kinks the fluid is on; part of [`State`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -45,9 +54,25 @@ impl FluidLaw {
         let (a, b) = er.acting();
         match (er.response, er.preyield_stiffness) {
             (FluidResponse::Field(_), None) => FluidLaw::Field { a, b },
-            (FluidResponse::Field(_), Some(stiffness)) => FluidLaw::Spring { a, b, stiffness },
+            (FluidResponse::Field(_), Some(stiffness)) => {
+                let level = (a * HIGHEST_KV_MM + b) * HIGHEST_KV_MM;
+                FluidLaw::Spring { a, b, stiffness: followed(stiffness, level, model.inertia) }
+            }
             (FluidResponse::ViscosityDeadTime { torque_limit, .. }, _)
             | (FluidResponse::ViscosityLag { torque_limit, .. }, _) => FluidLaw::Viscosity { torque_limit },
+        }
+    }
+
+    /// Inertia below which the fluid would be faster than what is followed, kg m2 (kg).
+    pub(crate) fn least_inertia(&self, model: &Model) -> f64 {
+        let highest = model.er.as_ref().map_or(0.0, |er| {
+            let (a, b) = er.acting();
+            (a * HIGHEST_KV_MM + b) * HIGHEST_KV_MM / SLOWEST_RAD_S
+        });
+        match *self {
+            FluidLaw::Field { .. } => 0.0,
+            FluidLaw::Spring { stiffness, .. } => stiffness * FASTEST_S * FASTEST_S,
+            FluidLaw::Viscosity { .. } => highest * FASTEST_VISCOSITY_S,
         }
     }
 

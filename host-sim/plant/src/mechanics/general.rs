@@ -5,7 +5,7 @@ use super::events::{Balance, Flow};
 use super::fluid::{FluidInput, FluidLaw};
 use super::state::{Motion, State};
 use crate::effects::Vibration;
-use crate::effects::friction::Friction;
+use crate::effects::friction::{FASTEST_S, Friction};
 use crate::effects::position::PositionTorque;
 use crate::effects::shaft::{Contact, ShaftLaw};
 use crate::{Model, Segment, Signal};
@@ -38,14 +38,18 @@ impl General {
     /// From a validated model.
     pub(crate) fn new(model: &Model) -> Self {
         let shaft = model.shaft.as_ref().and_then(|shaft| ShaftLaw::new(shaft, model.inertia));
-        let inertia = shaft.map_or(model.inertia, |shaft| shaft.motor_inertia);
+        let (friction, position, fluid) = (Friction::new(model), PositionTorque::new(model), FluidLaw::new(model));
+        // The cost of a second must not grow with stiffness over inertia.
+        let least = friction.least_inertia().max(position.least_inertia()).max(fluid.least_inertia(model));
+        let inertia = shaft.map_or(model.inertia, |shaft| shaft.motor_inertia).max(least);
         Self {
             inertia,
             per_inertia: inertia.recip(),
-            friction: Friction::new(model),
-            position: PositionTorque::new(model),
-            vibration: model.vibration,
-            fluid: FluidLaw::new(model),
+            friction,
+            position,
+            // A faster one has no time to move the rotor.
+            vibration: model.vibration.filter(|vibration| vibration.frequency_hz * FASTEST_S < 1.0),
+            fluid,
             drift_per_s: model.er.as_ref().map_or(0.0, |er| er.drift_per_s),
             shaft,
             method: Collocation::new(),
@@ -71,7 +75,8 @@ impl General {
                 if strength > 0.0 {
                     rate += self.drift_per_s * torque;
                 }
-                FluidInput { yield_torque: strength * torque, yield_rate: rate, ..FluidInput::default() }
+                // The sum of a constant and an exponential may end a hair below zero.
+                FluidInput { yield_torque: (strength * torque).max(0.0), yield_rate: rate, ..FluidInput::default() }
             }
             FluidLaw::Viscosity { .. } => FluidInput {
                 level: strength * segment.brake_torque.at(t),

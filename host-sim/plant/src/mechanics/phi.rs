@@ -3,6 +3,9 @@
 /// Below this the series of twelve terms is exact to the last bit and the closed form loses digits.
 const SERIES_BELOW: f64 = 0.1;
 
+/// Up to this exponent the joint series of twenty terms is exact to the last bit.
+const SERIES_CONVERGES: f64 = 0.5;
+
 /// phi1(z) = (1 - exp(-z)) / z, the mean of exp(-z u) over u in 0..1.
 #[inline]
 pub(crate) fn phi1(z: f64) -> f64 {
@@ -38,8 +41,7 @@ pub(crate) fn field_moments(z: f64) -> [(f64, f64); 2] {
 }
 
 /// Speed and distance gained in a time h by a unit of acceleration that decays at `a / h` against a viscous rate `b / h`:
-/// w = h first, theta = h^2 second. Both exponents are not negative; where neither is zero they must not exceed one
-/// (the caller steps shorter).
+/// w = h first, theta = h^2 second. Both exponents are not negative, of any size.
 #[inline]
 pub(crate) fn moments(a: f64, b: f64) -> (f64, f64) {
     if b == 0.0 {
@@ -52,6 +54,13 @@ pub(crate) fn moments(a: f64, b: f64) -> (f64, f64) {
     if a == 0.0 {
         let first = phi1(b);
         return (first, phi2(b, first));
+    }
+    let larger = a.max(b);
+    if larger > SERIES_CONVERGES {
+        // Divided differences of exp(-z) over (a, b) and (0, a, b); the larger exponent divides, which loses no digits.
+        let first = (-a.min(b)).exp() * phi1((a - b).abs());
+        let second = (phi1(a.min(b)) - first) / larger;
+        return (first, second);
     }
     // Divided differences of exp(-z) as series in the complete homogeneous polynomials h_n(a, b), with
     // h_n = a^n + b h_(n-1): first over (a, b), second over (0, a, b).
@@ -108,10 +117,22 @@ mod tests {
         }
     }
 
+    /// Far beyond what the quadrature resolves: the speed settles at the push over the drag, the way follows it.
+    #[test]
+    fn stiff_moments_are_their_limits() {
+        for (a, b) in [(1e3, 1e9), (1e9, 1e3), (1e9, 1e-3), (1e-3, 1e9), (1e300, 1e300)] {
+            let (first, second) = moments(a, b);
+            let exact = if a.max(b) > 1e200 { 0.0 } else { (-a.min(b)).exp() / (a.max(b) - a.min(b)) };
+            assert!((first - exact).abs() <= 1e-15 * exact.max(1e-12), "first({a}, {b}) = {first:e}, not {exact:e}");
+            let exact = if a.max(b) > 1e200 { 0.0 } else { (phi1(a.min(b)) - exact) / a.max(b) };
+            assert!((second - exact).abs() <= 1e-12 * exact, "second({a}, {b}) = {second:e}, not {exact:e}");
+        }
+    }
+
     #[test]
     fn moments_equal_their_integrals() {
-        for a in [0.0, 1e-6, 0.2, 0.999] {
-            for b in [0.0, 1e-7, 0.2, 0.200_000_1, 1.0] {
+        for a in [0.0, 1e-6, 0.2, 0.999, 5.0] {
+            for b in [0.0, 1e-7, 0.2, 0.200_000_1, 0.501, 1.0, 5.000_000_1, 9.0] {
                 let (first, second) = moments(a, b);
                 let speed = |u: f64| (-b * (1.0 - u) - a * u).exp();
                 assert!((first - integral(speed)).abs() < 1e-11, "first({a}, {b})");

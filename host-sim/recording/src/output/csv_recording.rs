@@ -2,9 +2,10 @@
 
 use std::io::{self, Write};
 
+use super::mark;
 use crate::{Cells, Recording};
 
-/// Writes header and rows; each real number in the fewest digits that read back to the same bits.
+/// Writes the header, with the mark of this tool, and rows; each real number in the fewest digits that read back to the same bits.
 pub(super) fn write(recording: &Recording, to: impl Write) -> io::Result<()> {
     write_rows(recording, true, to)
 }
@@ -14,12 +15,13 @@ pub(super) fn append(recording: &Recording, to: impl Write) -> io::Result<()> {
     write_rows(recording, false, to)
 }
 
-fn write_rows(recording: &Recording, with_header: bool, to: impl Write) -> io::Result<()> {
+fn write_rows(recording: &Recording, with_header: bool, mut to: impl Write) -> io::Result<()> {
     let columns = recording.columns();
-    let mut writer = csv::Writer::from_writer(to);
     if with_header {
-        writer.write_record(columns.iter().map(|(name, _)| name))?;
+        let names: Vec<&str> = columns.iter().map(|(name, _)| *name).collect();
+        to.write_all(mark::csv_header(&names).as_bytes())?;
     }
+    let mut writer = csv::Writer::from_writer(to);
     let mut cell = Vec::new();
     for row in 0..recording.rows() {
         for (_, cells) in &columns {

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use tempfile::NamedTempFile;
 
-use super::{csv_recording, one_line, temporary_beside};
+use super::{csv_recording, failed, place, temporary_beside};
 use crate::Error;
 use crate::Recording;
 
@@ -28,9 +28,8 @@ impl Growing {
     pub fn create(file: &Path) -> Result<Self, Error> {
         let begin = || {
             let target = match fs::metadata(file) {
-                Ok(there) if there.is_file() => fs::canonicalize(file)?,
-                Ok(_) => return Err(io::Error::other("it is there and not a regular file")),
-                Err(_) => file.to_path_buf(),
+                Ok(there) if !there.is_file() => return Err(io::Error::other("it is there and not a regular file")),
+                _ => place::resolved(file)?,
             };
             let to = BufWriter::new(temporary_beside(&target)?);
             Ok(Self { file: file.to_path_buf(), target, to, has_header: false })
@@ -59,8 +58,4 @@ impl Growing {
         let temporary = to.into_inner().map_err(|error| failed(&file, error.error()))?;
         temporary.persist(target).map(drop).map_err(|error| failed(&file, &error.error))
     }
-}
-
-fn failed(file: &Path, error: &io::Error) -> Error {
-    Error::Output { file: file.to_path_buf(), reason: one_line(&error.to_string()) }
 }

@@ -1,9 +1,15 @@
 //! Outputs appear whole or not at all: each is written to a temporary file in its folder, which then takes its name.
+//!
+//! [`Files`] is how a command comes to write: it is told all inputs and outputs first, and refuses what would lose a file.
 
 mod csv_recording;
+mod files;
 mod growing;
+pub mod mark;
 mod parquet_recording;
+mod place;
 
+pub use files::{Files, Output, Outputs};
 pub use growing::Growing;
 
 use std::ffi::OsStr;
@@ -11,10 +17,12 @@ use std::fs::{self, File, OpenOptions};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
+use tempfile::NamedTempFile;
+
 use crate::Error;
 use crate::{Machine, Recording};
 
-/// Writes `file` through `fill`.
+/// Writes `file` through `fill`, in a folder that is made if it is not there.
 ///
 /// A symbolic link stays and the file it points to is replaced; a pipe or a device, which cannot be replaced, is written
 /// into.
@@ -23,8 +31,7 @@ use crate::{Machine, Recording};
 ///
 /// [`Error::Output`]; what stood in `file` before is untouched then.
 pub fn write(file: &Path, fill: impl FnOnce(&mut BufWriter<&mut File>) -> io::Result<()>) -> Result<(), Error> {
-    write_whole(file, fill)
-        .map_err(|error| Error::Output { file: file.to_path_buf(), reason: one_line(&error.to_string()) })
+    Staged::new(file, fill)?.finish()
 }
 
 /// Writes `text` to `file`, as [`write()`] does.
@@ -42,20 +49,44 @@ pub fn write_text(file: &Path, text: &str) -> Result<(), Error> {
 ///
 /// [`Error::Output`].
 pub fn folder(folder: &Path) -> Result<(), Error> {
-    let failed = |error: io::Error| Error::Output { file: folder.to_path_buf(), reason: one_line(&error.to_string()) };
-    fs::create_dir_all(folder).map_err(failed)
+    fs::create_dir_all(folder).map_err(|error| failed(folder, &error))
 }
 
-fn write_whole(file: &Path, fill: impl FnOnce(&mut BufWriter<&mut File>) -> io::Result<()>) -> io::Result<()> {
-    let target = match fs::metadata(file) {
-        Ok(there) if there.is_dir() => return Err(io::Error::other("it is a folder")),
-        Ok(there) if !there.is_file() => return fill_and_flush(&mut OpenOptions::new().write(true).open(file)?, fill),
-        Ok(_) => fs::canonicalize(file)?,
-        Err(_) => file.to_path_buf(),
-    };
-    let mut temporary = temporary_beside(&target)?;
-    fill_and_flush(temporary.as_file_mut(), fill)?;
-    temporary.persist(&target).map(drop).map_err(|error| error.error)
+/// A file whose content is written and whose name it does not have yet; dropped, it is gone.
+#[derive(Debug)]
+struct Staged {
+    file: PathBuf,
+    /// None for a pipe or a device, which has its content already.
+    to: Option<(NamedTempFile, PathBuf)>,
+}
+
+impl Staged {
+    /// Writes the content of `file` through `fill`.
+    fn new(file: &Path, fill: impl FnOnce(&mut BufWriter<&mut File>) -> io::Result<()>) -> Result<Self, Error> {
+        let write = || {
+            let to = match fs::metadata(file) {
+                Ok(there) if there.is_dir() => return Err(io::Error::other("it is a folder")),
+                Ok(there) if !there.is_file() => {
+                    fill_and_flush(&mut OpenOptions::new().write(true).open(file)?, fill)?;
+                    None
+                }
+                _ => {
+                    let target = place::resolved(file)?;
+                    let mut temporary = temporary_beside(&target)?;
+                    fill_and_flush(temporary.as_file_mut(), fill)?;
+                    Some((temporary, target))
+                }
+            };
+            Ok(Self { file: file.to_path_buf(), to })
+        };
+        write().map_err(|error| failed(file, &error))
+    }
+
+    /// Gives the file its name.
+    fn finish(self) -> Result<(), Error> {
+        let Some((temporary, target)) = self.to else { return Ok(()) };
+        temporary.persist(target).map(drop).map_err(|error| failed(&self.file, &error.error))
+    }
 }
 
 fn fill_and_flush(file: &mut File, fill: impl FnOnce(&mut BufWriter<&mut File>) -> io::Result<()>) -> io::Result<()> {
@@ -64,10 +95,10 @@ fn fill_and_flush(file: &mut File, fill: impl FnOnce(&mut BufWriter<&mut File>) 
     buffered.flush()
 }
 
-/// An empty file in the folder of `target`: a rename is atomic within one file system only.
-fn temporary_beside(target: &Path) -> io::Result<tempfile::NamedTempFile> {
-    let folder =
-        target.parent().filter(|folder| !folder.as_os_str().is_empty()).map_or(PathBuf::from("."), PathBuf::from);
+/// An empty file in the folder of `target`, which is made: a rename is atomic within one file system only.
+fn temporary_beside(target: &Path) -> io::Result<NamedTempFile> {
+    let folder = place::folder_of(target);
+    place::make_folder(&folder)?;
     let mut builder = tempfile::Builder::new();
     builder.prefix(".servo-lab-");
     // As any new file: readable by others unless the user's mask says otherwise, where a temporary file is not.
@@ -76,8 +107,12 @@ fn temporary_beside(target: &Path) -> io::Result<tempfile::NamedTempFile> {
     builder.tempfile_in(folder)
 }
 
-fn one_line(message: &str) -> String {
-    message.replace('\n', " ")
+/// What went wrong with `file`, by the name the user gave it: an error about the temporary file names that one, and holds
+/// the system's own below.
+fn failed(file: &Path, error: &io::Error) -> Error {
+    let below = error.get_ref().and_then(|inner| inner.source()).map(ToString::to_string);
+    let reason = below.unwrap_or_else(|| error.to_string()).replace('\n', " ");
+    Error::Output { file: file.to_path_buf(), reason }
 }
 
 impl Recording {
@@ -100,10 +135,14 @@ impl Recording {
     ///
     /// [`Error::Output`]; what stood in `file` before is untouched then.
     pub fn write(&self, file: &Path) -> Result<(), Error> {
+        self.stage(file)?.finish()
+    }
+
+    fn stage(&self, file: &Path) -> Result<Staged, Error> {
         let extension = file.extension().and_then(OsStr::to_str).map(str::to_ascii_lowercase);
         match extension.as_deref() {
-            Some("csv") => write(file, |to| csv_recording::write(self, to)),
-            Some("parquet") => write(file, |to| parquet_recording::write(self, to).map_err(io::Error::other)),
+            Some("csv") => Staged::new(file, |to| csv_recording::write(self, to)),
+            Some("parquet") => Staged::new(file, |to| parquet_recording::write(self, to).map_err(io::Error::other)),
             _ => {
                 let reason = "the name of a recording must end in .csv or .parquet".to_owned();
                 Err(Error::Output { file: file.to_path_buf(), reason })

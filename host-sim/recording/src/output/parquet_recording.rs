@@ -6,18 +6,24 @@ use std::sync::Arc;
 use parquet::basic::{Compression, LogicalType, Repetition, Type as PhysicalType};
 use parquet::data_type::{ByteArray, ByteArrayType, DoubleType, Int32Type, Int64Type};
 use parquet::errors::Result;
+use parquet::file::metadata::KeyValue;
 use parquet::file::properties::WriterProperties;
 use parquet::file::writer::{SerializedColumnWriter, SerializedFileWriter};
 use parquet::schema::types::{Type, TypePtr};
 
+use super::mark;
 use crate::{Cells, Recording};
 
-/// Writes the recording, compressed with Snappy.
+/// Writes the recording, compressed with Snappy, with the mark of this tool in the metadata.
 pub(super) fn write(recording: &Recording, to: impl Write + Send) -> Result<()> {
     let columns = recording.columns();
     let fields = columns.iter().map(|(name, cells)| field(name, cells)).collect::<Result<_>>()?;
     let schema = Arc::new(Type::group_type_builder("recording").with_fields(fields).build()?);
-    let properties = WriterProperties::builder().set_compression(Compression::SNAPPY).build();
+    let written_by = KeyValue::new("written_by".to_owned(), mark::WORDS.to_owned());
+    let properties = WriterProperties::builder()
+        .set_compression(Compression::SNAPPY)
+        .set_key_value_metadata(Some(vec![written_by]))
+        .build();
     let mut writer = SerializedFileWriter::new(to, schema, Arc::new(properties))?;
     let mut group = writer.next_row_group()?;
     for (_, cells) in &columns {

@@ -1,18 +1,20 @@
 //! `servo-lab demo`: the main job on embedded data, in one go.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use er_servo::experiment::{Experiment, Shape};
 use plant::{Er, Model};
 
+use super::Overwrite;
 use crate::decide::{Request, diagnose};
 use crate::effects::VOCABULARY;
+use crate::output::{self, Output, Outputs, Provenance, formats};
 use crate::plot::{Figure, Mark, Panel, Series};
 use crate::read::{Machine, Recording};
 use crate::report::compare::Comparison;
 use crate::report::html::{PlotData, page};
 use crate::simulate::{Reference, Row, Setup, Summary, record, run as run_loop};
-use crate::{Error, output, report};
+use crate::{Error, report};
 
 /// Seed of every noise of the demo.
 const SEED: u64 = 1;
@@ -27,7 +29,39 @@ pub struct Args {
     /// Folder for the recording and the pictures; made if it is not there.
     #[arg(long, value_name = "DIR", default_value = "out/demo")]
     out: PathBuf,
+    #[command(flatten)]
+    overwrite: Overwrite,
 }
+
+/// The files of the demo.
+struct Written {
+    outputs: Outputs,
+    step: Output,
+    machine: Output,
+    compare: Output,
+    page: Output,
+    recordings: [Output; 3],
+}
+
+impl Written {
+    fn new(args: &Args) -> Result<Self, Error> {
+        let mut files = args.overwrite.files();
+        let mut writes = |name: &str| files.writes(&args.out.join(name));
+        let [step, machine, compare, page] =
+            ["step.svg", "machine.toml", "compare.svg", "diagnosis.html"].map(&mut writes);
+        let recordings = RECORDINGS.map(writes);
+        Ok(Self { step, machine, compare, page, recordings, outputs: files.check()? })
+    }
+
+    /// Lets what was written appear, and tells the name of the last.
+    fn tell(&mut self, output: Output, more: &str) -> Result<(), Error> {
+        self.outputs.finish()?;
+        output::print(&format!("   wrote {}{more}\n", self.outputs.file(output).display()))
+    }
+}
+
+/// The recordings; the last is held out.
+const RECORDINGS: [&str; 3] = ["steps.csv", "multisine.csv", "chirp.csv"];
 
 /// Runs the loop with and without field delay, records a machine that has more than its model, compares, and names what
 /// the model leaves out.
@@ -35,23 +69,25 @@ pub struct Args {
 /// # Errors
 /// Outputs that cannot be written.
 pub fn run(args: &Args) -> Result<(), Error> {
-    output::folder(&args.out)?;
-    steps(&args.out)?;
+    let mut written = Written::new(args)?;
+    steps(&mut written)?;
     let file = args.out.join("machine.toml");
-    output::write_text(&file, MACHINE)?;
     let machine = Machine::from_bytes(&file, MACHINE.as_bytes())?;
+    let output = written.machine;
+    output::text(&mut written.outputs, output, &formats::toml(MACHINE))?;
     output::print(
         "\n2. Recordings of a machine whose field really waits 2 ms and lags 3 ms, with cold, stiff oil:\n\n",
     )?;
-    let recorded = recordings(&args.out)?;
+    let recorded = recordings(&mut written)?;
     output::print("\n3. The first beside a nominal model that knows neither:\n\n")?;
     let comparison = Comparison::new(&damped(0.0, 0.0), &machine.axis, &recorded[0])?;
     output::print(&indented(&comparison))?;
-    let picture = args.out.join("compare.svg");
-    comparison.figure("steps.csv against a model without viscous friction and without field delay").write(&picture)?;
-    output::print(&format!("   wrote {}\n", picture.display()))?;
+    let picture = comparison.figure("steps.csv against a model without viscous friction and without field delay");
+    let output = written.compare;
+    output::figure(&mut written.outputs, output, &picture)?;
+    written.tell(output, "")?;
     output::print("\n4. What the model leaves out, fitted to the first two and judged on the third:\n\n")?;
-    diagnosed(&args.out, &machine, &recorded)?;
+    diagnosed(&mut written, &machine, &recorded)?;
     output::print(&format!(
         "\nNext: cargo lab diagnose --machine {0}/machine.toml --holdout {0}/chirp.csv {0}/steps.csv {0}/multisine.csv\n      \
          cargo lab replay {0}/steps.csv   cargo lab --help\n",
@@ -60,7 +96,7 @@ pub fn run(args: &Args) -> Result<(), Error> {
 }
 
 /// The step response with and without the fluid's delay.
-fn steps(out: &Path) -> Result<(), Error> {
+fn steps(written: &mut Written) -> Result<(), Error> {
     output::print("1. A 30 degree step, the very control law that is flashed, with and without the fluid's delay:\n")?;
     let step = Shape::Step { amplitude_rad: std::f32::consts::FRAC_PI_6 };
     let prompt = responses(damped(0.0, 0.0), step, 0.4)?;
@@ -69,39 +105,39 @@ fn steps(out: &Path) -> Result<(), Error> {
         output::print(&format!("\n   {name}\n"))?;
         output::print(&indented(&Summary::of(rows, PERIOD_S)))?;
     }
-    let picture = out.join("step.svg");
-    step_figure(&prompt, &delayed).write(&picture)?;
-    output::print(&format!("   wrote {}\n", picture.display()))
+    let output = written.step;
+    output::figure(&mut written.outputs, output, &step_figure(&prompt, &delayed))?;
+    written.tell(output, "")
 }
 
 /// Three experiments on the machine with more than its model, written and given.
-fn recordings(out: &Path) -> Result<Vec<Recording>, Error> {
+fn recordings(written: &mut Written) -> Result<Vec<Recording>, Error> {
     let machine = Model { viscous: 0.25, ..damped(0.002, 0.003) };
-    let experiments = [
-        ("steps.csv", Shape::Steps { amplitude_rad: 0.4, dwell_s: 0.25, seed: 1 }),
-        ("multisine.csv", Shape::Multisine { amplitude_rad: 0.3, low_hz: 0.2, high_hz: 6.0, tones: 12 }),
-        ("chirp.csv", Shape::Chirp { amplitude_rad: 0.2, from_hz: 0.2, to_hz: 6.0 }),
+    let shapes = [
+        Shape::Steps { amplitude_rad: 0.4, dwell_s: 0.25, seed: 1 },
+        Shape::Multisine { amplitude_rad: 0.3, low_hz: 0.2, high_hz: 6.0, tones: 12 },
+        Shape::Chirp { amplitude_rad: 0.2, from_hz: 0.2, to_hz: 6.0 },
     ];
-    let recorded = experiments.into_iter().map(|(name, shape)| {
+    let recorded = RECORDINGS.into_iter().zip(shapes).zip(written.recordings).map(|((name, shape), output)| {
         let rows = responses(machine.clone(), shape, 5.0)?;
         let recording = record(name, &rows);
-        let file = out.join(name);
-        recording.write(&file)?;
-        output::print(&format!("   wrote {}: {} rows, seed {SEED}\n", file.display(), rows.len()))?;
+        written.outputs.recording(output, &recording)?;
+        written.tell(output, &format!(": {} rows, seed {SEED}", rows.len()))?;
         Ok(recording)
     });
     recorded.collect()
 }
 
 /// Diagnoses the recordings, the last one held out, and writes the answer as a page.
-fn diagnosed(out: &Path, machine: &Machine, recorded: &[Recording]) -> Result<(), Error> {
+fn diagnosed(written: &mut Written, machine: &Machine, recorded: &[Recording]) -> Result<(), Error> {
     let (recordings, holdout) = recorded.split_at(2);
     let diagnosis = diagnose(&Request { machine, recordings, holdout, vocabulary: &VOCABULARY })?;
     output::print(&indented(&report::summary(&diagnosis.answer)))?;
-    let file = out.join("diagnosis.html");
     let plot = PlotData::new(&diagnosis, recordings, holdout)?;
-    output::write_text(&file, &page(&machine.name, &diagnosis.answer, &plot)?)?;
-    output::print(&format!("   wrote {}, opens in a browser\n", file.display()))
+    let made = Provenance::of(&written.outputs, Some(SEED))?;
+    let (output, page) = (written.page, page(&machine.name, &diagnosis.answer, &plot, &made)?);
+    output::text(&mut written.outputs, output, &formats::markup(&page))?;
+    written.tell(output, ", opens in a browser")
 }
 
 /// The paper's servo with a delay of the field, s.

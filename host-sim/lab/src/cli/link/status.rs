@@ -5,6 +5,8 @@ use er_servo::link::Status;
 use er_servo::{Counts, Faults, InputFlags, MonitorCode};
 use serde_json::json;
 
+use crate::output::Provenance;
+
 /// Name of the state; in the fault state each cause on a line of its own.
 pub fn state(status: &Status) -> String {
     let name = ["boot", "ready", "running", "fault"].get(usize::from(status.state)).unwrap_or(&"unknown");
@@ -62,6 +64,7 @@ pub fn json(status: &Status) -> String {
         "recording": status.recording,
         "frames_lost": status.lost,
         "counters": status.counters,
+        "provenance": Provenance::without_inputs(None),
     });
     format!("{value:#}\n")
 }

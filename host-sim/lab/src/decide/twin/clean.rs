@@ -1,9 +1,12 @@
 //! The search on a twin, from which nothing is missing.
 
+use std::sync::Arc;
+
 use rayon::prelude::*;
 
 use super::{Noise, Path, twin};
 use crate::Error;
+use crate::budget::Budget;
 use crate::decide::Request;
 use crate::decide::confirmed::missed;
 use crate::decide::prepare::searcher;
@@ -30,7 +33,7 @@ pub fn falsely_found(
     recordings: &[Recording],
     motions: &[Motion],
     noises: &[Noise],
-    answered: &[&str],
+    (answered, budget): (&[&str], &Arc<Budget>),
 ) -> Result<Vec<&'static str>, Error> {
     let resolution = request.machine.axis.resolution;
     let each = (0..recordings.len()).into_par_iter().map(|index| {
@@ -42,7 +45,7 @@ pub fn falsely_found(
         Ok((twin, motion))
     });
     let (twins, motions): (Vec<Recording>, Vec<Motion>) = each.collect::<Result<Vec<_>, Error>>()?.into_iter().unzip();
-    let problem = Problem::new(motions, twins.len(), machine.clone());
+    let problem = Problem::new(motions, twins.len(), machine.clone()).within(budget);
     if problem.equations.is_empty() {
         return Ok(Vec::new());
     }
@@ -50,7 +53,8 @@ pub fn falsely_found(
     let asked =
         accepted.iter().enumerate().filter(|(rank, trial)| *rank < CONFIRMED || answered.contains(&trial.effect.id));
     let asked: Vec<&Trial> = asked.map(|(_, trial)| trial).collect();
-    let confirmed = asked.into_par_iter().filter(|trial| {
+    // One after the other: each runs its windows in parallel, and looks at the budget between.
+    let confirmed = asked.into_iter().filter(|trial| {
         let with = TimeFit::new(&problem, &twins, &trial.fit.active, resolution);
         // What cannot be simulated cannot be taken back either.
         with.and_then(|with| Ok(missed(&with.without(&problem, &twins, 0)?, &with))).unwrap_or(true)

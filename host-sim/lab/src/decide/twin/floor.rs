@@ -11,7 +11,7 @@ use crate::effects::Physics;
 use crate::progress::Progress;
 use crate::read::Recording;
 use crate::refit::{HORIZON_S, Windows};
-use crate::residual::Window;
+use crate::residual::{Window, horizon_s};
 use crate::screen::Motion;
 
 /// Twins of each recording at least,
@@ -23,11 +23,11 @@ const EVERY_S: f64 = 5.0;
 const DRAWS: usize = 200;
 /// Seed of the draws, and of the first twin; each further one takes the next.
 const SEED: u64 = 1;
-/// Each twin is of another piece of this length at most, spread over the recording, s: a machine without a closed form
+/// Each twin is of another piece of this length at most, in windows, spread over the recording: a machine without a closed form
 /// takes long in its windows, and as many of them as eight seconds hold tell the floor to some percent.
-const PIECE_S: f64 = 2.0;
+const PIECE: f64 = 40.0;
 /// and of this length at least.
-const SHORTEST_S: f64 = 0.5;
+const SHORTEST: f64 = 10.0;
 
 /// The noise floor.
 #[derive(Debug, Clone, PartialEq)]
@@ -35,6 +35,8 @@ pub struct Floor {
     pieces: Vec<Piece>,
     /// In words, where the sensor's share does not agree with what is recorded at rest.
     pub warnings: Vec<String>,
+    /// Steps of the simulations, see [`crate::budget`].
+    pub(in crate::decide) work: u64,
 }
 
 /// A piece of a recording, and what its twin left.
@@ -46,6 +48,8 @@ struct Piece {
     to: usize,
     /// Sum of squares of each of the twin's windows, rad2 (m2), and its rows.
     left: Vec<(f64, usize)>,
+    /// Steps of its simulations.
+    work: u64,
 }
 
 /// What a machine leaves of some recordings against what noise alone would.
@@ -85,11 +89,12 @@ pub fn noise_floor(
         let windows = Windows::new(machine, std::slice::from_ref(&twin), recording, resolution, HORIZON_S)?;
         progress.advance(1);
         let left = windows.residuals.iter().flat_map(|residual| &residual.windows).map(squares).collect();
-        Ok(Piece { recording, from, to, left })
+        Ok(Piece { recording, from, to, left, work: windows.work })
     });
     let pieces = each.collect::<Result<Vec<_>, Error>>()?;
     let warnings = recordings.iter().zip(noises).filter_map(|(recording, noise)| disagreement(recording, noise));
-    Ok(Floor { pieces, warnings: warnings.collect() })
+    let work = pieces.iter().map(|piece| piece.work).sum();
+    Ok(Floor { pieces, warnings: warnings.collect(), work })
 }
 
 impl Above {
@@ -147,7 +152,7 @@ fn mean(windows: impl Iterator<Item = (f64, usize)>) -> f64 {
 
 /// At rest only the sensor speaks; half a step is what a position between two steps may or may not show.
 fn disagreement(recording: &Recording, noise: &Noise) -> Option<String> {
-    let (recorded, expected) = at_rest(recording, noise, HORIZON_S, SEED)?;
+    let (recorded, expected) = at_rest(recording, noise, horizon_s(recording, HORIZON_S), SEED)?;
     let slack = 0.5 * noise.resolution;
     (recorded > 2.0 * expected + slack || expected > 2.0 * recorded + slack).then(|| {
         format!(
@@ -164,8 +169,9 @@ fn pieces(recording: &Recording) -> Vec<(usize, usize)> {
     let (first_s, rows) = (t_s[0], t_s.len());
     let span_s = t_s[rows - 1] - first_s;
     let most = ((span_s / EVERY_S) as usize).clamp(TWINS, MOST_TWINS);
-    let count = ((span_s / SHORTEST_S) as usize).clamp(1, most);
-    let length_s = PIECE_S.min(span_s / count as f64);
+    let horizon_s = horizon_s(recording, HORIZON_S);
+    let count = ((span_s / (SHORTEST * horizon_s)) as usize).clamp(1, most);
+    let length_s = (PIECE * horizon_s).min(span_s / count as f64);
     let row = |at_s: f64| t_s.partition_point(|t| *t < at_s);
     let all = (0..count).map(|piece| {
         let start_s = first_s + (span_s - length_s) * piece as f64 / (count - 1).max(1) as f64;

@@ -41,6 +41,9 @@ impl Twins {
             Noise { torque: balance.torque.min(windows), ..balance }
         };
         let noises: Vec<Noise> = each.map(noise).collect();
+        if problem.budget.check() {
+            return Self::default();
+        }
         match Self::made(request, searched, improved, &noises) {
             Ok(twins) => twins,
             Err(error) => Self {
@@ -53,8 +56,19 @@ impl Twins {
     fn made(request: &Request<'_>, searched: &Searched, improved: &Physics, noises: &[Noise]) -> Result<Self, Error> {
         let problem = &searched.problem;
         let floor = noise_floor(improved, &searched.recordings, &problem.motions, noises)?;
+        problem.budget.spend(floor.work);
+        if problem.budget.check() {
+            return Ok(Self { warnings: floor.warnings.clone(), floor: Some(floor), falsely_found: Vec::new() });
+        }
         let answered: Vec<&str> = searched.outcome.fit.active.iter().map(|entry| entry.effect.id).collect();
-        let falsely_found = falsely_found(request, improved, searched.fitted(), &problem.motions, noises, &answered)?;
+        let falsely_found = falsely_found(
+            request,
+            improved,
+            searched.fitted(),
+            &problem.motions,
+            noises,
+            (&answered, &problem.budget),
+        )?;
         let mut warnings = floor.warnings.clone();
         if !falsely_found.is_empty() {
             warnings.push(format!(

@@ -15,6 +15,7 @@ use maps::{Band, MapPlot};
 pub(crate) use words::number;
 
 use crate::Error;
+use crate::output::Provenance;
 use crate::report::Answer;
 
 /// Sources of the plots; see the README beside them.
@@ -26,11 +27,11 @@ const SCRIPT: &str = include_str!("page.js");
 /// Whatever the page holds, the browser loads nothing for it.
 const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'";
 
-/// The page for an answer about the machine called `machine`.
+/// The page for an answer about the machine called `machine`, and what made it.
 ///
 /// # Errors
 /// [`Error::Usage`] where the curves are no JSON, which numbers and names always are.
-pub fn page(machine: &str, answer: &Answer, plot: &PlotData) -> Result<String, Error> {
+pub fn page(machine: &str, answer: &Answer, plot: &PlotData, made: &Provenance) -> Result<String, Error> {
     let data = escape::json(plot).map_err(|error| Error::Usage(format!("the page's data: {error}")))?;
     let verdict = format!("{:?}", answer.verdict).to_lowercase();
     let names: Vec<&str> = plot.recordings.iter().map(|recording| recording.name.as_str()).collect();
@@ -46,6 +47,7 @@ pub fn page(machine: &str, answer: &Answer, plot: &PlotData) -> Result<String, E
         sections::maps(answer, plot),
         sections::experiment(answer),
         sections::rejected(answer),
+        sections::provenance(made),
     ]
     .concat();
     Ok(format!(

@@ -5,15 +5,22 @@ use super::escape::text;
 use super::windows::WINDOW_S;
 use super::words::{estimate, interval, number, p_value, per_cent_explained, title};
 use super::{MapPlot, PlotData};
+use crate::output::{Input, Provenance};
+use crate::report::text::per_cent;
 use crate::report::{Answer, EffectAnswer, Formula, ResidualMap, Verdict};
 
-/// Every effect of the best model: what it is, its values, why it is believed.
+/// Every effect of the best model: what it is, its values, why it is believed or that it is not.
 pub(super) fn effects(answer: &Answer) -> String {
     if answer.effects.is_empty() {
         return String::new();
     }
     let each: String = answer.effects.iter().map(effect).collect();
-    section("effects", "What is missing", &each)
+    if answer.verdict.believes_its_effects() {
+        return section("effects", "What is missing", &each);
+    }
+    let note = "<p class=\"note\">The best that the vocabulary does with these recordings. Something is left beside it that these \
+                values may only stand in for: do not put them into a model.</p>";
+    section("effects", "Fitted, but not believed", &format!("{note}{each}"))
 }
 
 fn effect(effect: &EffectAnswer) -> String {
@@ -25,9 +32,9 @@ fn effect(effect: &EffectAnswer) -> String {
         table("Values in the improved model", &["parameter", "value", "95 % interval", "unit"], rows.collect());
     let evidence = &effect.evidence;
     let because = format!(
-        "<p class=\"quiet\">Held-out error {:.1} % less with it; p {} after correction for everything tried; removes {} % of \
+        "<p class=\"quiet\">Held-out error {} % less with it; p {} after correction for everything tried; removes {} % of \
          the excess over the noise.</p>",
-        100.0 * evidence.heldout_gain,
+        per_cent(evidence.heldout_gain),
         text(&p_value(evidence.p_value)),
         text(&per_cent_explained(evidence.excess_explained))
     );
@@ -51,9 +58,9 @@ pub(super) fn fit(answer: &Answer) -> String {
     let fit = &answer.fit;
     let (prefix, factor) = prefix(fit.before_rms.max(fit.heldout_before_rms));
     let row = |name: &str, before: f64, after: f64, floor: f64| {
-        let less = 100.0 * (1.0 - after / before.max(f64::MIN_POSITIVE));
+        let less = per_cent(1.0 - after / before.max(f64::MIN_POSITIVE));
         let [before, after, floor] = [before, after, floor].map(|rms| number(rms * factor, 0.0));
-        vec![name.to_owned(), before, after, format!("{less:.1} %"), floor]
+        vec![name.to_owned(), before, after, format!("{less} %"), floor]
     };
     let rows = vec![
         row("fitted", fit.before_rms, fit.after_rms, fit.noise_floor_rms),
@@ -262,6 +269,24 @@ pub(super) fn experiment(answer: &Answer) -> String {
     let file = experiment.reference_csv.as_ref();
     let file = file.map_or_else(String::new, |file| format!("<p>Reference to play: <code>{}</code></p>", text(file)));
     section("next", "What to record next", &format!("<p>{}</p>{apart}{file}", text(&experiment.text)))
+}
+
+/// What made the page.
+pub(super) fn provenance(made: &Provenance) -> String {
+    let input = |input: &Input| {
+        let sha256 = input.sha256.as_deref().unwrap_or("read once, not hashed");
+        vec![format!("<code>{}</code>", text(&input.file)), format!("<code>{}</code>", text(sha256))]
+    };
+    let files = table("Files that were read", &["file", "SHA-256"], made.inputs.iter().map(input).collect());
+    let seed = made.seed.map_or_else(String::new, |seed| format!(", random draws from seed {seed}"));
+    let body = format!(
+        "<p>{} on {}, built from commit <code>{}</code>{seed}.</p><p><code>{}</code></p>{files}",
+        text(&made.written_by),
+        text(&made.date),
+        text(&made.commit),
+        text(&made.command)
+    );
+    section("provenance", "What made this page", &body)
 }
 
 /// What the reader should know before believing the answer.

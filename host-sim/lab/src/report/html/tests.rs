@@ -4,6 +4,7 @@
 use super::data::{RecordingPlot, Samples};
 use super::maps::{Band, MapPlot};
 use super::*;
+use crate::output::{Input, Provenance};
 use crate::report::{
     Closest, EffectAnswer, Evidence, Experiment, FitAnswer, Formula, FormulaTerm, Interval, Location, Region, Rejected,
     ResidualMap,
@@ -130,8 +131,17 @@ fn plot() -> PlotData {
     }
 }
 
+/// What made it, hostile too.
+fn made() -> Provenance {
+    Provenance {
+        command: HOSTILE.to_owned(),
+        inputs: vec![Input { file: HOSTILE.to_owned(), sha256: Some("0f".to_owned()) }],
+        ..Provenance::without_inputs(Some(7))
+    }
+}
+
 fn written(verdict: Verdict) -> String {
-    html::page(HOSTILE, &answer(verdict), &plot()).unwrap()
+    html::page(HOSTILE, &answer(verdict), &plot(), &made()).unwrap()
 }
 
 #[test]

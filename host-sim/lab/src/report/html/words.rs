@@ -7,7 +7,8 @@ pub(super) fn sentence(answer: &Answer) -> String {
     let found: Vec<String> = answer.effects.iter().map(named).collect();
     let found = listed(&found);
     let fit = &answer.fit;
-    let fall = 100.0 * (1.0 - fit.heldout_after_rms / fit.heldout_before_rms.max(f64::MIN_POSITIVE));
+    // What is gained is rounded down, and what is left up.
+    let fall = (100.0 * (1.0 - fit.heldout_after_rms / fit.heldout_before_rms.max(f64::MIN_POSITIVE)) + 1e-9).floor();
     match answer.verdict {
         Verdict::None => "Nothing is missing from the model beyond the noise of these recordings.".to_owned(),
         Verdict::Named => {
@@ -20,7 +21,7 @@ pub(super) fn sentence(answer: &Answer) -> String {
         Verdict::Unknown => {
             let closest = answer.closest.as_ref();
             let closest = closest.map_or_else(String::new, |closest| {
-                let left = 100.0 * closest.left;
+                let left = (100.0 * closest.left - 1e-9).ceil();
                 format!("; {} comes closest and leaves {left:.0} % of the excess over the noise", title(&closest.id))
             });
             format!("Something is missing from the model, and nothing in the vocabulary explains it{closest}.")

@@ -1,0 +1,205 @@
+//! What is wrong with the data before any science: findings about recordings and the machine file they are read with.
+//!
+//! Pure: it reads no file and prints nothing. Each finding is a sentence; an error means that nothing can be computed, a
+//! warning that what is computed may mean something else than it seems.
+
+mod finding;
+mod inertia;
+mod windows;
+
+pub use finding::{Finding, Problem, Severity};
+
+use std::path::Path;
+
+use crate::Error;
+use crate::read::{AxisKind, Machine, Recording, position_step};
+use inertia::{Estimate, estimate};
+use windows::median_period_s;
+
+/// What the data is wanted for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Purpose {
+    /// Windows of the model beside the recording.
+    Compare,
+    /// A search for what the model leaves out, judged on blocks that were not fitted.
+    Diagnose,
+}
+
+impl Purpose {
+    /// The least that can be worked on, s, of rows a period apart: the longest window of a comparison, a block to fit and one
+    /// to judge by (0.4 s each) of a diagnosis; and rows enough for one window, or for five windows of eight.
+    fn needed_s(self, period_s: f64) -> f64 {
+        match self {
+            Self::Compare => (10.0 * period_s).max(0.2),
+            Self::Diagnose => (40.0 * period_s).max(0.8),
+        }
+    }
+}
+
+/// Rows further apart than this hold no window of a motion, s.
+const SLOWEST_SAMPLING_S: f64 = 0.05;
+/// A period this many times another is of another unit; decimation and a slower log are not.
+const OTHER_UNIT: f64 = 100.0;
+/// A step or an inertia this many times another is not the same one measured badly.
+const FAR_OFF: f64 = 5.0;
+/// Partial correlation of torque and acceleration below which one of them has the wrong sign for certain: a machine of any
+/// inertia has a positive one.
+const SIGN_CERTAIN: f64 = -0.9;
+
+/// Speeds and accelerations beyond which no servo axis goes, and travels beyond which none measures, in the units of the axis.
+#[derive(Debug, Clone, Copy)]
+struct Limits {
+    /// rad/s: 95,000 rpm, of the fastest spindles; m/s: ten times a fast linear motor.
+    speed: f64,
+    /// rad/s2: a galvanometer, ten times over; m/s2: 1000 g, ten times a voice coil.
+    acceleration: f64,
+}
+
+impl Limits {
+    fn of(axis: AxisKind) -> Self {
+        match axis {
+            AxisKind::Rotary => Self { speed: 1e4, acceleration: 1e8 },
+            AxisKind::Linear => Self { speed: 50.0, acceleration: 1e4 },
+        }
+    }
+}
+
+/// What is wrong with the recordings, those to fit first; `holdout` is empty for a comparison.
+pub fn check(machine: &Machine, fitted: &[Recording], holdout: &[Recording], purpose: Purpose) -> Vec<Finding> {
+    let moves = fitted.iter().any(|recording| travel(recording) > still_within(machine, recording));
+    let length_s: f64 = fitted.iter().map(length_s).sum();
+    let mut findings = Vec::new();
+    for (index, recording) in fitted.iter().chain(holdout).enumerate() {
+        let mut add = |problem, severity| {
+            findings.push(Finding { recording: recording.name.clone(), axis: recording.axis, problem, severity });
+        };
+        let period_s = median_period_s(&recording.t_s);
+        let needed_s = purpose.needed_s(period_s);
+        let own_s = self::length_s(recording);
+        if period_s > SLOWEST_SAMPLING_S && recording.rows() > 2 {
+            let problem =
+                Problem::SlowSampling { period_s, most_s: SLOWEST_SAMPLING_S, file_s: machine.axis.sample_period_s };
+            add(problem, Severity::Error);
+            continue;
+        }
+        if own_s < needed_s {
+            // Short recordings add up where they are fitted together.
+            let enough = purpose == Purpose::Diagnose && (index >= fitted.len() || length_s >= needed_s);
+            let severity = if enough { Severity::Warning } else { Severity::Error };
+            add(Problem::TooShort { length_s: own_s, needed_s }, severity);
+            continue;
+        }
+        if travel(recording) <= still_within(machine, recording) {
+            let nothing = purpose == Purpose::Diagnose && !moves;
+            add(
+                Problem::NeverMoves { travel: travel(recording) },
+                if nothing { Severity::Error } else { Severity::Warning },
+            );
+            continue;
+        }
+        one(machine, recording, period_s, purpose, &mut add);
+    }
+    findings
+}
+
+/// The warnings as sentences.
+///
+/// # Errors
+/// [`Error::Input`] with the first finding that leaves nothing to compute.
+pub fn warnings(
+    machine: &Machine,
+    fitted: &[Recording],
+    holdout: &[Recording],
+    purpose: Purpose,
+) -> Result<Vec<String>, Error> {
+    let findings = check(machine, fitted, holdout, purpose);
+    match findings.iter().find(|finding| finding.severity == Severity::Error) {
+        Some(finding) => {
+            let column = finding.column().unwrap_or_default();
+            Err(Error::input(Path::new(&finding.recording), None, column, finding.problem_text()))
+        }
+        None => Ok(findings.iter().map(ToString::to_string).collect()),
+    }
+}
+
+/// What is wrong with a recording that is long enough and moves.
+fn one(
+    machine: &Machine,
+    recording: &Recording,
+    period_s: f64,
+    purpose: Purpose,
+    add: &mut dyn FnMut(Problem, Severity),
+) {
+    let (low, high) = range(&recording.effort_cmd);
+    // Constant but for the rounding of a log.
+    let constant = high - low <= 1e-9 * high.abs().max(low.abs());
+    if constant {
+        add(Problem::ConstantEffort { value: high }, Severity::Warning);
+    }
+    let estimate = estimate(machine, recording, period_s);
+    let units = units(machine, recording, period_s, &estimate);
+    units.iter().for_each(|problem| add(*problem, Severity::Warning));
+    if !constant {
+        // Gravity follows the sine of the position, in rad: with another unit it is not taken out, and tells no sign.
+        let trusted = units.is_empty();
+        balance(machine, &estimate, (purpose, trusted), add);
+    }
+}
+
+/// What looks like a wrong unit.
+fn units(machine: &Machine, recording: &Recording, period_s: f64, estimate: &Estimate) -> Vec<Problem> {
+    let (file_s, resolution) = (machine.axis.sample_period_s, machine.axis.resolution);
+    let limits = Limits::of(recording.axis);
+    let is_other_period = !(1.0 / OTHER_UNIT..OTHER_UNIT).contains(&(period_s / file_s));
+    let is_far = |step: &f64| resolution > 0.0 && !(1.0 / FAR_OFF..=FAR_OFF).contains(&(step / resolution));
+    let Estimate { speed, acceleration, .. } = *estimate;
+    let problems = [
+        is_other_period.then_some(Problem::OtherPeriod { period_s, file_s }),
+        position_step(&recording.position).filter(is_far).map(|step| Problem::OtherStep { step, resolution }),
+        (speed > limits.speed).then_some(Problem::Speed { value: speed, most: limits.speed }),
+        (acceleration > limits.acceleration)
+            .then_some(Problem::Acceleration { value: acceleration, most: limits.acceleration }),
+    ];
+    problems.into_iter().flatten().collect()
+}
+
+/// Whether torque and acceleration fit each other, where the units are trusted, and the inertia of the machine file.
+fn balance(
+    machine: &Machine,
+    estimate: &Estimate,
+    (purpose, trusted): (Purpose, bool),
+    add: &mut dyn FnMut(Problem, Severity),
+) {
+    let Some(inertia) = estimate.inertia else { return };
+    let nominal = machine.plant.inertia;
+    if inertia.correlation < 0.0 {
+        if !trusted {
+            return;
+        }
+        let certain = inertia.correlation < SIGN_CERTAIN && purpose == Purpose::Diagnose;
+        let severity = if certain { Severity::Error } else { Severity::Warning };
+        add(Problem::SignFlipped { correlation: inertia.correlation }, severity);
+    } else if inertia.low > FAR_OFF * nominal || inertia.high < nominal / FAR_OFF {
+        add(Problem::Inertia { low: inertia.low, high: inertia.high, nominal }, Severity::Warning);
+    }
+}
+
+fn length_s(recording: &Recording) -> f64 {
+    recording.t_s.last().unwrap_or(&0.0) - recording.t_s.first().unwrap_or(&0.0)
+}
+
+fn range(values: &[f64]) -> (f64, f64) {
+    values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(*value), high.max(*value)))
+}
+
+/// How far the axis goes, rad (m).
+fn travel(recording: &Recording) -> f64 {
+    let (low, high) = range(&recording.position);
+    high - low
+}
+
+/// A travel that is none, rad (m): two steps of the sensor, or rounding where it has none.
+fn still_within(machine: &Machine, recording: &Recording) -> f64 {
+    let (low, high) = range(&recording.position);
+    (2.0 * machine.axis.resolution).max(1e-12 * low.abs().max(high.abs()))
+}

@@ -1,0 +1,197 @@
+//! Units at the end of names, for hints that are not wrong by a factor: `t_ms` is not `t_s` misspelt.
+
+use std::f64::consts::{PI, TAU};
+
+use crate::nearest::{likeness, quoted};
+
+/// Stems that are called alike are at least this alike.
+const ALIKE: f64 = 0.6;
+
+/// What a unit measures.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Quantity {
+    Time,
+    Angle,
+    Length,
+    Torque,
+    Force,
+    Field,
+    AngularSpeed,
+    Speed,
+    Temperature,
+}
+
+/// A unit as names end in it.
+#[derive(Debug, PartialEq)]
+struct Unit {
+    suffix: &'static str,
+    /// As a person writes it.
+    written: &'static str,
+    quantity: Quantity,
+    /// One of it in the unit of the format.
+    factor: f64,
+}
+
+const fn unit(suffix: &'static str, written: &'static str, quantity: Quantity, factor: f64) -> Unit {
+    Unit { suffix, written, quantity, factor }
+}
+
+/// Units of logs; those of the format have the factor 1. A suffix that ends in another comes before it.
+const UNITS: &[Unit] = &[
+    unit("rad_s", "rad/s", Quantity::AngularSpeed, 1.0),
+    unit("deg_s", "degrees/s", Quantity::AngularSpeed, PI / 180.0),
+    unit("rev_s", "rev/s", Quantity::AngularSpeed, TAU),
+    unit("rpm", "rpm", Quantity::AngularSpeed, TAU / 60.0),
+    unit("mm_s", "mm/s", Quantity::Speed, 1e-3),
+    unit("m_s", "m/s", Quantity::Speed, 1.0),
+    unit("kv_mm", "kV/mm", Quantity::Field, 1.0),
+    unit("v_mm", "V/mm", Quantity::Field, 1e-3),
+    unit("mv_m", "MV/m", Quantity::Field, 1.0),
+    unit("kv_cm", "kV/cm", Quantity::Field, 0.1),
+    unit("ms", "ms", Quantity::Time, 1e-3),
+    unit("us", "us", Quantity::Time, 1e-6),
+    unit("ns", "ns", Quantity::Time, 1e-9),
+    unit("min", "min", Quantity::Time, 60.0),
+    unit("s", "s", Quantity::Time, 1.0),
+    unit("mrad", "mrad", Quantity::Angle, 1e-3),
+    unit("rad", "rad", Quantity::Angle, 1.0),
+    unit("deg", "degrees", Quantity::Angle, PI / 180.0),
+    unit("rev", "rev", Quantity::Angle, TAU),
+    unit("mnm", "mN m", Quantity::Torque, 1e-3),
+    unit("knm", "kN m", Quantity::Torque, 1e3),
+    unit("ncm", "N cm", Quantity::Torque, 1e-2),
+    unit("nm", "N m", Quantity::Torque, 1.0),
+    unit("mm", "mm", Quantity::Length, 1e-3),
+    unit("cm", "cm", Quantity::Length, 1e-2),
+    unit("um", "um", Quantity::Length, 1e-6),
+    unit("m", "m", Quantity::Length, 1.0),
+    unit("kn", "kN", Quantity::Force, 1e3),
+    unit("mn", "mN", Quantity::Force, 1e-3),
+    unit("n", "N", Quantity::Force, 1.0),
+    unit("c", "degrees Celsius", Quantity::Temperature, 1.0),
+];
+
+/// Other stems of the columns that no recording can do without.
+const SYNONYMS: &[(&str, &[&str])] = &[
+    ("t", &["time", "timestamp", "seconds"]),
+    ("position", &["pos", "angle", "theta", "q", "x"]),
+    ("torque_cmd", &["torque", "tau", "u", "effort", "current"]),
+    ("force_cmd", &["force", "f", "u", "effort", "current"]),
+];
+
+/// The stem of a name and its unit, if it ends in one.
+fn parts(name: &str) -> (&str, Option<&'static Unit>) {
+    let with = |unit: &'static Unit| {
+        let stem = name.strip_suffix(unit.suffix)?.strip_suffix('_')?;
+        (!stem.is_empty()).then_some((stem, unit))
+    };
+    UNITS.iter().find_map(with).map_or((name, None), |(stem, unit)| (stem, Some(unit)))
+}
+
+/// What the unit at the end of a name measures; none without one.
+pub(crate) fn quantity(name: &str) -> Option<Quantity> {
+    parts(&name.to_lowercase()).1.map(|unit| unit.quantity)
+}
+
+/// The name that probably is meant to be `wanted`, by its stem, whatever its unit.
+pub(crate) fn called_alike<'a>(wanted: &str, names: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    let (stem, _) = parts(wanted);
+    let synonyms = SYNONYMS.iter().find(|(of, _)| *of == stem).map_or(&[][..], |(_, others)| others);
+    let scored = names.into_iter().map(|name| {
+        let lower = name.to_lowercase();
+        let (own, _) = parts(&lower);
+        let score = if own == stem {
+            2.0
+        } else if synonyms.contains(&own) {
+            1.5
+        } else {
+            likeness(own, stem).max(likeness(&lower, wanted))
+        };
+        (score, name)
+    });
+    let best = scored.max_by(|one, other| one.0.total_cmp(&other.0));
+    best.filter(|(score, _)| *score >= ALIKE).map(|(_, name)| name)
+}
+
+/// What is to be done with `found` to make it `wanted`: a question where it is in the same unit, else how to convert it.
+pub(crate) fn hint(found: &str, wanted: &str) -> String {
+    let lower = found.to_lowercase();
+    let (quoted, (_, is), (_, must)) = (quoted(found), parts(&lower), parts(wanted));
+    match (is, must) {
+        (_, None) => format!("is {quoted} meant to be it?"),
+        (None, Some(must)) => format!("is {quoted} meant to be it? It must be in {}", must.written),
+        (Some(is), Some(must)) if is == must => format!("is {quoted} meant to be it?"),
+        (Some(is), Some(must)) if is.quantity == must.quantity => {
+            let (factor, is, must) = (factor(is, must), is.written, must.written);
+            format!("{quoted} is in {is}: multiply its values by {factor} and call it `{wanted}`, in {must}")
+        }
+        (Some(is), Some(must)) => format!("{quoted} is in {}, but {} is needed", is.written, must.written),
+    }
+}
+
+/// The unit of the key `wanted` where `found` has another of the same quantity, and how to convert; else nothing.
+pub(crate) fn other_unit(found: &str, wanted: &str) -> String {
+    match (parts(&found.to_lowercase()).1, parts(wanted).1) {
+        (Some(is), Some(must)) if is != must && is.quantity == must.quantity => {
+            format!(", in {}: multiply the value by {}", must.written, factor(is, must))
+        }
+        _ => String::new(),
+    }
+}
+
+/// What one `is` is in `must`, in at most six digits.
+fn factor(is: &Unit, must: &Unit) -> String {
+    let factor = is.factor / must.factor;
+    if factor < 1e-4 {
+        return format!("{factor:e}");
+    }
+    format!("{factor:.6}").trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_have_stems_and_units() {
+        for (name, stem, unit) in [
+            ("t_s", "t", Some("s")),
+            ("t_ms", "t", Some("ms")),
+            ("velocity_rad_s", "velocity", Some("rad/s")),
+            ("velocity_mm_s", "velocity", Some("mm/s")),
+            ("field_cmd_kv_mm", "field_cmd", Some("kV/mm")),
+            ("torque_cmd_nm", "torque_cmd", Some("N m")),
+            ("force_cmd_n", "force_cmd", Some("N")),
+            ("mode", "mode", None),
+            ("seconds", "seconds", None),
+        ] {
+            let (found, unit_found) = parts(name);
+            assert_eq!((found, unit_found.map(|unit| unit.written)), (stem, unit), "{name}");
+        }
+    }
+
+    #[test]
+    fn a_hint_names_the_unit_and_the_factor() {
+        for (found, wanted, message) in [
+            ("t_ms", "t_s", "`t_ms` is in ms: multiply its values by 0.001 and call it `t_s`, in s"),
+            ("t_us", "t_s", "`t_us` is in us: multiply its values by 1e-6 and call it `t_s`, in s"),
+            (
+                "position_mm",
+                "position_m",
+                "`position_mm` is in mm: multiply its values by 0.001 and call it `position_m`, in m",
+            ),
+            (
+                "angle_deg",
+                "position_rad",
+                "`angle_deg` is in degrees: multiply its values by 0.017453 and call it `position_rad`, in rad",
+            ),
+            ("position_mm", "position_rad", "`position_mm` is in mm, but rad is needed"),
+            ("time", "t_s", "is `time` meant to be it? It must be in s"),
+            ("positon_rad", "position_rad", "is `positon_rad` meant to be it?"),
+        ] {
+            assert_eq!(hint(found, wanted), message);
+            assert_eq!(called_alike(wanted, [found, "humidity"]), Some(found));
+        }
+        assert_eq!(called_alike("t_s", ["humidity", "mode"]), None);
+    }
+}
