@@ -19,7 +19,7 @@ fn one(machine: &Path, fit: &[String], hold: &[String], note: &str, without: &[S
     let t = Instant::now();
     let problem = Problem::new(Physics::nominal(&machine, &[]), all, fitted, machine.axis.resolution, linear);
     let n0 = diagnosis::search::first_noise(&problem); let Some(c) = diagnose(&problem, &vocabulary) else { println!("{note} NONE {n0:?} {:?}", diagnosis::search::nominal(&problem).map(|n| n.log_likelihood)); return };
-    let mut s = format!("{note} {:.1}s {:?}", t.elapsed().as_secs_f64(), c.verdict);
+    let mut s = format!("{note} {:.1}s {}M {:?}", t.elapsed().as_secs_f64(), problem.work() / 1000000, c.verdict);
     for e in &c.effects {
         s += &format!(" | {} {:?}", e.effect.id, e.standing);
         for i in &e.intervals { s += &format!(" {:.5}[{:.5},{:.5}]", i.value, i.low, i.high); }

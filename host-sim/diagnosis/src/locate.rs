@@ -1,5 +1,6 @@
 //! Where, in time and in state, the nominal machine is less likely than the best hypothesis.
 
+use crate::confidence_set::TWO_SIDED_95;
 use crate::pipeline::Conclusion;
 use crate::problem::Problem;
 
@@ -14,6 +15,10 @@ pub struct Span {
     pub end_s: f64,
     /// Share of the whole difference, 1.
     pub share: f64,
+    /// Lower end of the share's 95 % band.
+    pub share_low: f64,
+    /// Upper end of the share's 95 % band.
+    pub share_high: f64,
     /// Mean size of the speed there, rad/s (m/s).
     pub speed: f64,
 }
@@ -29,6 +34,10 @@ pub struct Region {
     pub high: f64,
     /// Share of the whole difference, 1.
     pub share: f64,
+    /// Lower end of the share's 95 % band.
+    pub share_low: f64,
+    /// Upper end of the share's 95 % band.
+    pub share_high: f64,
 }
 
 /// Most spans that are told.
@@ -76,13 +85,39 @@ pub fn spans(problem: &Problem, conclusion: &Conclusion) -> Vec<Span> {
                     last.speed = last.speed.max(speed);
                     (last.end_s, last.share) = (end_s, last.share + share);
                 }
-                None => spans.push(Span { recording, start_s, end_s, share, speed }),
+                None => spans.push(Span { recording, start_s, end_s, share, share_low: 0.0, share_high: 1.0, speed }),
             }
         }
     }
     spans.sort_by(|a, b| b.share.total_cmp(&a.share));
     spans.truncate(MOST);
+    for span in &mut spans {
+        let inside = |recording: usize, row: usize| {
+            let t_s = problem.recordings[recording].t_s[row];
+            recording == span.recording && span.start_s <= t_s && t_s <= span.end_s
+        };
+        (span.share_low, span.share_high) = band(problem, &rows, &inside);
+    }
     spans
+}
+
+/// 95 % band of the share of the rows inside, by leaving out each block in turn (jackknife).
+fn band(problem: &Problem, rows: &[Vec<f64>], inside: &dyn Fn(usize, usize) -> bool) -> (f64, f64) {
+    let mut blocks: Vec<(f64, f64)> = Vec::new();
+    for (recording, values) in rows.iter().enumerate() {
+        for block in &problem.blocks[recording] {
+            let all: f64 = values[block.clone()].iter().sum();
+            blocks.push((block.clone().filter(|&row| inside(recording, row)).map(|row| values[row]).sum(), all));
+        }
+    }
+    let (inside, all) = blocks.iter().fold((0.0, 0.0), |(inside, all), block| (inside + block.0, all + block.1));
+    let share = inside / all;
+    let n = blocks.len() as f64;
+    let left: Vec<f64> = blocks.iter().map(|block| (inside - block.0) / (all - block.1)).collect();
+    let mean = left.iter().sum::<f64>() / n;
+    let sd = ((n - 1.0) / n * left.iter().map(|value| (value - mean).powi(2)).sum::<f64>()).sqrt();
+    let end = |value: f64| if value.is_finite() { value.clamp(0.0, 1.0) } else { share.clamp(0.0, 1.0) };
+    (end(share - TWO_SIDED_95 * sd), end(share + TWO_SIDED_95 * sd))
 }
 
 /// One region a channel, by how much denser the difference is there than elsewhere.
@@ -92,16 +127,21 @@ pub fn regions(problem: &Problem, conclusion: &Conclusion) -> Vec<Region> {
     let speed = |recording: usize, row: usize| innovations[recording].speed[row].abs();
     let position = |recording: usize, row: usize| innovations[recording].position[row];
     let field = |recording: usize, row: usize| problem.recordings[recording].commands[row].field_kv_mm;
-    let mut regions = vec![region("speed", &rows, &speed), region("position", &rows, &position)];
+    let mut regions = vec![region(problem, "speed", &rows, &speed), region(problem, "position", &rows, &position)];
     if problem.excitation.field_peak > 0.0 {
-        regions.push(region("field", &rows, &field));
+        regions.push(region(problem, "field", &rows, &field));
     }
     let mut regions: Vec<(Region, usize)> = regions.into_iter().flatten().collect();
     regions.sort_by_key(|(_, bins)| *bins);
     regions.into_iter().map(|(region, _)| region).collect()
 }
 
-fn region(channel: &'static str, rows: &[Vec<f64>], value: &dyn Fn(usize, usize) -> f64) -> Option<(Region, usize)> {
+fn region(
+    problem: &Problem,
+    channel: &'static str,
+    rows: &[Vec<f64>],
+    value: &dyn Fn(usize, usize) -> f64,
+) -> Option<(Region, usize)> {
     let mut all: Vec<(f64, f64)> = rows
         .iter()
         .enumerate()
@@ -118,12 +158,12 @@ fn region(channel: &'static str, rows: &[Vec<f64>], value: &dyn Fn(usize, usize)
     (1..=BINS).find_map(|width| {
         let best = (0..=BINS - width).map(|from| (from, bins[from..from + width].iter().sum::<f64>())).max_by(|a, b| a.1.total_cmp(&b.1))?;
         let (from, sum) = best;
-        let region = Region {
-            channel,
-            low: all[edge(from)].0,
-            high: all[(edge(from + width) - 1).max(edge(from))].0,
-            share: sum / total,
-        };
-        (sum >= HALF * total).then_some((region, width))
+        if sum < HALF * total {
+            return None;
+        }
+        let (low, high) = (all[edge(from)].0, all[(edge(from + width) - 1).max(edge(from))].0);
+        let inside = |recording: usize, row: usize| (low..=high).contains(&value(recording, row));
+        let (share_low, share_high) = band(problem, rows, &inside);
+        Some((Region { channel, low, high, share: sum / total, share_low, share_high }, width))
     })
 }

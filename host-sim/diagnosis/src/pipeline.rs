@@ -51,6 +51,8 @@ pub struct Conclusion {
     pub nominal: Step,
     /// The best hypothesis.
     pub best: Step,
+    /// Whether the search ended at its budget of work.
+    pub cut_short: bool,
     /// What was refitted and not taken, with the log-likelihood it would have brought.
     pub rejected: Vec<(&'static Effect, f64)>,
 }
@@ -87,7 +89,7 @@ pub fn diagnose(problem: &Problem, vocabulary: &[&'static Effect]) -> Option<Con
         .iter()
         .filter_map(|one| Some((one.hypothesis.entries.last()?.effect, one.log_likelihood - before)))
         .collect();
-    Some(Conclusion { verdict, effects, remainder: left, nominal: found.nominal, best: found.best, rejected })
+    Some(Conclusion { verdict, effects, remainder: left, nominal: found.nominal, best: found.best, cut_short: problem.is_spent(), rejected })
 }
 
 fn named(problem: &Problem, found: &Found) -> Vec<Named> {

@@ -1,6 +1,7 @@
 //! The recordings, prepared once: grids of substeps, blocks, what the motion excites.
 
 use std::ops::Range;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use crate::effects::Excitation;
 use crate::likelihood::Grid;
@@ -24,6 +25,8 @@ pub struct Problem {
     pub excitation: Excitation,
     /// The sensor's smallest noise, rad (m): that of its steps.
     pub least_sensor_sd: f64,
+    /// Substeps that all passes took so far.
+    pub(crate) spent: AtomicU64,
     /// Rows on which the noise is estimated, with their recording: three numbers need no more.
     pub excerpt: Vec<(usize, Range<usize>)>,
 }
@@ -45,11 +48,30 @@ impl Problem {
         let excitation = excitation(&recordings, fitted, linear);
         // Steps of a uniform quantiser; without any, what double precision keeps of the travel.
         let least_sensor_sd = (resolution / 12.0_f64.sqrt()).max(1e-9 * excitation.travel).max(f64::MIN_POSITIVE.sqrt());
-        Self { nominal, recordings, fitted, grids, blocks, excitation, least_sensor_sd, excerpt }
+        Self { nominal, recordings, fitted, grids, blocks, excitation, least_sensor_sd, excerpt, spent: AtomicU64::new(0) }
     }
 }
 
+/// Substeps of one diagnosis: 50 s on one core at the 8 million a second that were measured with five states, so that any
+/// search ends within a minute, after the same work on any machine.
+const WORK: u64 = 400_000_000;
+
 impl Problem {
+    /// Counts work done.
+    pub(crate) fn spend(&self, substeps: usize) {
+        self.spent.fetch_add(substeps as u64, Ordering::Relaxed);
+    }
+
+    /// Whether no new step of the search may be begun.
+    pub fn is_spent(&self) -> bool {
+        self.spent.load(Ordering::Relaxed) > WORK
+    }
+
+    /// Substeps that all passes took so far.
+    pub fn work(&self) -> u64 {
+        self.spent.load(Ordering::Relaxed)
+    }
+
     /// Recordings on which a fit is judged: those held out, else those to fit.
     pub fn judged(&self) -> Range<usize> {
         if self.fitted < self.recordings.len() { self.fitted..self.recordings.len() } else { 0..self.fitted }

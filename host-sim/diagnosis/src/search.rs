@@ -175,7 +175,7 @@ pub fn search(problem: &Problem, vocabulary: &[&'static Effect]) -> Option<Found
     let lasting: Vec<&'static Effect> = vocabulary.iter().copied().filter(|effect| !effect.once).collect();
     let mut among: &[&'static Effect] = &lasting;
     let mut rejected = Vec::new();
-    while best.assessed.refitted.hypothesis.entries.len() < MOST_EFFECTS + began {
+    while best.assessed.refitted.hypothesis.entries.len() < MOST_EFFECTS + began && !problem.is_spent() {
         let found = extend(problem, &best.assessed.refitted, &candidates(problem, &best.assessed.refitted, among));
         let taken = found.iter().find_map(|(one, odds)| Some((worth(problem, &best, one, *odds)?, *odds)));
         match taken {
@@ -238,6 +238,11 @@ fn neighbourhood(
     let (mut evidence, mut rivals): (Vec<(f64, f64)>, Vec<(usize, Step)>) = (Vec::new(), Vec::new());
     let mut at = 0;
     while at < best.assessed.refitted.hypothesis.entries.len() {
+        if problem.is_spent() {
+            // What was not looked at any more is told as found, without rivals.
+            evidence.resize(best.assessed.refitted.hypothesis.entries.len(), (0.0, SMALLEST_GAIN));
+            break;
+        }
         let hypothesis = &best.assessed.refitted.hypothesis;
         let without = if hypothesis.entries.len() == 1 {
             nominal.clone()

@@ -6,6 +6,7 @@
 
 pub mod budget;
 pub mod cli;
+pub mod conclude;
 pub mod decide;
 pub mod effects;
 pub mod formula;

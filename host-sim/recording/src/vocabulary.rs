@@ -240,6 +240,8 @@ pub const EFFECTS: &[EffectKind] = &[
             by_axis(["size_rad", "rad"], ["size_m", "m"], Allowed::Finite),
         ],
     ),
+    once("channel_skew", &[same("skew_s", "s", Allowed::Between(-LONGEST_DELAY_S, LONGEST_DELAY_S))]),
+    once("torque_filter", &[LAG]),
 ];
 
 #[cfg(test)]

@@ -15,7 +15,7 @@ pub struct Interval {
 }
 
 /// Standard normal deviate of a 95 % interval.
-const TWO_SIDED_95: f64 = 1.959_964;
+pub(crate) const TWO_SIDED_95: f64 = 1.959_964;
 
 /// Reported values of an entry with their intervals: the fitted values' covariance through the report, linearised.
 pub fn intervals(best: &Assessed, at: usize) -> Vec<Interval> {

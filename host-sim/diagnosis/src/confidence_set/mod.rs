@@ -6,4 +6,5 @@ mod intervals;
 
 pub use compare::{Comparison, compare};
 pub use information::{Assessed, assess};
+pub(crate) use intervals::TWO_SIDED_95;
 pub use intervals::{Interval, intervals};

@@ -44,6 +44,7 @@ pub fn evaluate(problem: &Problem, physics: &Physics, noise: &Noise) -> Option<E
 }
 
 pub(crate) fn driven<'a>(problem: &'a Problem, index: usize, acting: &'a Acting) -> Driven<'a> {
+    problem.spend(problem.grids[index].substeps());
     let recorded = &problem.recordings[index];
     Driven { recorded, grid: &problem.grids[index], acting, rows: 0..recorded.rows() }
 }

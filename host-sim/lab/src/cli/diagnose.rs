@@ -5,8 +5,8 @@ use std::process::ExitCode;
 
 use super::{EXIT_CODES, Overwrite};
 use crate::Error;
-use crate::decide::{Request, diagnose};
-use crate::effects::{self, Effect};
+use crate::conclude::{self, Request};
+use crate::decide::{self, Diagnosis};
 use crate::output::{self, Output, Outputs, Provenance, formats};
 use crate::precheck::{self, Purpose};
 use crate::propose;
@@ -45,6 +45,9 @@ pub struct Args {
     /// Never names these effects; separated by commas.
     #[arg(long, value_name = "ID", value_delimiter = ',')]
     without: Vec<String>,
+    /// Who decides: one likelihood, or the rules that it is to replace.
+    #[arg(long, value_enum, value_name = "JUDGE", default_value_t = Judge::Likelihood)]
+    judge: Judge,
     /// Ends with exit code 1 where the verdict is one of these; separated by commas.
     #[arg(long, value_enum, value_name = "VERDICT", value_delimiter = ',')]
     fail_on: Vec<Verdict>,
@@ -59,6 +62,20 @@ pub struct Args {
     /// Recordings to diagnose, CSV or Parquet.
     #[arg(required = true, value_name = "RECORDING")]
     recordings: Vec<PathBuf>,
+}
+
+/// Who decides.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum Judge {
+    /// One likelihood, its confidence set and its goodness of fit.
+    Likelihood,
+    /// Forty-five rules grown on one simulated servo.
+    Rules,
+}
+
+/// Identifiers that may be named.
+fn effects() -> impl Iterator<Item = &'static str> {
+    diagnosis::effects::VOCABULARY.iter().map(|effect| effect.id)
 }
 
 /// The outputs that were asked for.
@@ -82,15 +99,14 @@ pub fn run(args: &Args) -> Result<ExitCode, Error> {
             .build_global()
             .map_err(|error| Error::Usage(format!("--jobs {jobs}: {error}")))?;
     }
-    let vocabulary = vocabulary(&args.only, &args.without)?;
+    args.check_ids()?;
     let machine = Machine::read(&args.machine)?;
     let read = |files: &[PathBuf]| -> Result<Vec<Recording>, Error> {
         files.iter().map(|file| Recording::read(file, Some(machine.axis.kind))).collect()
     };
     let (recordings, holdout) = (read(&args.recordings)?, read(&args.holdout)?);
     let warnings = precheck::warnings(&machine, &recordings, &holdout, Purpose::Diagnose)?;
-    let request = Request { machine: &machine, recordings: &recordings, holdout: &holdout, vocabulary: &vocabulary };
-    let mut diagnosis = diagnose(&request)?;
+    let mut diagnosis = args.diagnosed(&machine, &recordings, &holdout)?;
     diagnosis.answer.warnings.splice(0..0, warnings);
     if args.stages {
         diagnosis.stages.taken().iter().for_each(|(stage, took)| eprintln!("{stage:24} {:7.3} s", took.as_secs_f64()));
@@ -114,6 +130,37 @@ pub fn run(args: &Args) -> Result<ExitCode, Error> {
 }
 
 impl Args {
+    /// Refuses names that are no effect.
+    fn check_ids(&self) -> Result<(), Error> {
+        for id in self.only.iter().chain(&self.without) {
+            if effects().all(|known| known != id) && id != crate::read::vocabulary::CONTROLLER {
+                let known: Vec<&str> = effects().collect();
+                return Err(Error::Usage(format!("there is no effect `{id}`; known are {}", known.join(", "))));
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether an effect may be named.
+    fn may_name(&self, id: &str) -> bool {
+        (self.only.is_empty() || self.only.iter().any(|only| only == id)) && !self.without.iter().any(|other| other == id)
+    }
+
+    fn diagnosed(&self, machine: &Machine, recordings: &[Recording], holdout: &[Recording]) -> Result<Diagnosis, Error> {
+        match self.judge {
+            Judge::Likelihood => {
+                let all = diagnosis::effects::VOCABULARY.iter().copied();
+                let vocabulary: Vec<_> = all.filter(|effect| self.may_name(effect.id)).collect();
+                conclude::diagnose(&Request { machine, recordings, holdout, vocabulary: &vocabulary })
+            }
+            Judge::Rules => {
+                let all = crate::effects::VOCABULARY.iter().copied();
+                let vocabulary: Vec<_> = all.filter(|effect| self.may_name(effect.id)).collect();
+                decide::diagnose(&decide::Request { machine, recordings, holdout, vocabulary: &vocabulary })
+            }
+        }
+    }
+
     /// Whether the answer as JSON goes to standard output, and nothing else does.
     fn to_stdout(&self) -> bool {
         self.json.as_deref() == Some(Path::new("-"))
@@ -164,18 +211,4 @@ impl Args {
 
 fn read_text(file: &Path) -> Result<String, Error> {
     std::fs::read_to_string(file).map_err(|error| Error::input(file, None, "", error.to_string()))
-}
-
-/// The effects that may be named.
-fn vocabulary(only: &[String], without: &[String]) -> Result<Vec<&'static Effect>, Error> {
-    for id in only.iter().chain(without) {
-        if effects::find(id).is_none() && id != crate::read::vocabulary::CONTROLLER {
-            let known: Vec<&str> = effects::VOCABULARY.iter().map(|effect| effect.id).collect();
-            return Err(Error::Usage(format!("there is no effect `{id}`; known are {}", known.join(", "))));
-        }
-    }
-    let kept = |effect: &&'static Effect| {
-        (only.is_empty() || only.iter().any(|id| id == effect.id)) && !without.iter().any(|id| id == effect.id)
-    };
-    Ok(effects::VOCABULARY.iter().copied().filter(kept).collect())
 }

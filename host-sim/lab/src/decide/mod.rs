@@ -22,7 +22,9 @@ pub(crate) mod testing;
 pub mod twin;
 mod verdict;
 
+pub(crate) use controller::mismatch;
 pub use diagnose::{Diagnosis, Request, diagnose, diagnose_within};
 pub(crate) use fitted::explained;
 pub use intervals::{Covariance, intervals};
 pub use refined::Refined;
+pub(crate) use stretches::stretches;

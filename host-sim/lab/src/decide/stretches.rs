@@ -17,7 +17,7 @@ const SEED: u64 = 1;
 /// The recordings as they are diagnosed: whole, or where they have more rows than are looked at, stretches of them spread
 /// evenly, each at a random place of its share of the time so that a periodic motion is not always met at the same place.
 /// What is left out is told in `notes`.
-pub(super) fn stretches(files: &[&Recording], notes: &mut Vec<String>) -> Vec<Recording> {
+pub(crate) fn stretches(files: &[&Recording], notes: &mut Vec<String>) -> Vec<Recording> {
     let rows: usize = files.iter().map(|file| file.rows()).sum();
     if rows <= ROWS {
         return files.iter().map(|file| file.driven(std::slice::from_ref(&(0..file.rows())))).collect();

@@ -13,6 +13,8 @@ pub enum Verdict {
     Named,
     /// Something is missing and the data cannot choose.
     Ambiguous,
+    /// Some of what is missing is certain, and something predictable is left.
+    Partial,
     /// Something is missing and nothing in the vocabulary explains it.
     Unknown,
     /// The recorded commands are not what the control law computes.
@@ -23,7 +25,7 @@ impl Verdict {
     /// Whether the effects of the answer are believed; else they are what a fit took for want of something better.
     pub fn believes_its_effects(self) -> bool {
         match self {
-            Self::None | Self::Named | Self::Ambiguous | Self::Controller => true,
+            Self::None | Self::Named | Self::Partial | Self::Ambiguous | Self::Controller => true,
             Self::Unknown => false,
         }
     }
@@ -51,6 +53,9 @@ pub struct Answer {
     pub rejected: Vec<Rejected>,
     /// What to record next.
     pub experiment: Option<Experiment>,
+    /// What is left and predictable, where something is.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub remainder: Option<RemainderAnswer>,
     /// What the user should know before believing this.
     pub warnings: Vec<String>,
     /// Residual torque over state, where nothing explains it.
@@ -62,6 +67,30 @@ pub struct Answer {
     /// The effect that comes closest, where none explains it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub closest: Option<Closest>,
+}
+
+/// What the best model leaves and a channel predicts. The values of the effects may have absorbed some of it.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct RemainderAnswer {
+    /// Torque (force) that the noise has to stand in for, root mean square.
+    pub effort_rms: f64,
+    /// Its unit.
+    pub unit: String,
+    /// Channels that predict part of it on data they were not fitted to, best first.
+    pub predictors: Vec<PredictorAnswer>,
+}
+
+/// How much of the remainder one channel predicts.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct PredictorAnswer {
+    /// Channel with its unit.
+    pub channel: String,
+    /// Share of the squares of the whitened residual, 1.
+    pub share: f64,
+    /// Probability of that by chance.
+    pub p_value: f64,
+    /// Torque (force) that it predicts, root mean square, in the unit of the remainder.
+    pub effort_rms: f64,
 }
 
 /// One effect of the best model.

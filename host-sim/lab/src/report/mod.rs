@@ -9,7 +9,7 @@ mod units;
 
 pub use answer::{
     Answer, Closest, EffectAnswer, Evidence, Experiment, FirstUnexplained, FitAnswer, Formula, FormulaTerm, Interval,
-    Location, Region, Rejected, ResidualMap, Verdict,
+    Location, PredictorAnswer, Region, Rejected, RemainderAnswer, ResidualMap, Verdict,
 };
 pub use improved::improved_machine;
 pub use text::summary;

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use super::{Answer, EffectAnswer, FitAnswer, Verdict};
+use super::{Answer, EffectAnswer, FitAnswer, RemainderAnswer, Verdict};
 
 /// A few lines that say what the answer says.
 pub fn summary(answer: &Answer) -> String {
@@ -17,6 +17,7 @@ fn write_summary(text: &mut String, answer: &Answer) -> std::fmt::Result {
         Verdict::None => "Nothing is missing from the model beyond the noise of these recordings.",
         Verdict::Named => "This is missing from the model:",
         Verdict::Ambiguous => "Something is missing, and these recordings cannot tell which of these it is:",
+        Verdict::Partial => "This is missing from the model, and something more that is not explained:",
         Verdict::Unknown => "Something is missing, and nothing in the vocabulary explains it.",
         Verdict::Controller => "The recorded commands are not what this control law computes; no physics is named.",
     };
@@ -29,6 +30,9 @@ fn write_summary(text: &mut String, answer: &Answer) -> std::fmt::Result {
     }
     answer.effects.iter().try_for_each(|effect| write_effect(text, effect))?;
     write_fit(text, &answer.fit)?;
+    if let Some(left) = &answer.remainder {
+        write_remainder(text, left)?;
+    }
     for location in answer.locations.iter().take(3) {
         let (from, to) = (location.start_s, location.end_s);
         writeln!(
@@ -90,6 +94,16 @@ fn write_fit(text: &mut String, fit: &FitAnswer) -> std::fmt::Result {
         fit.heldout_after_rms,
         fit.heldout_floor_rms
     )
+}
+
+/// What is left, and what predicts it.
+fn write_remainder(text: &mut String, left: &RemainderAnswer) -> std::fmt::Result {
+    writeln!(text, "Left: {:.3} {} rms, some of which the values above may have absorbed.", left.effort_rms, left.unit)?;
+    for one in &left.predictors {
+        let (share, p) = (per_cent(one.share), one.p_value);
+        writeln!(text, "  {} predicts {share} % of its squares (p = {p:.1e}), {:.3} {} rms", one.channel, one.effort_rms, left.unit)?;
+    }
+    Ok(())
 }
 
 /// What comes closest, where the residual maps point, and the formula.

@@ -15,6 +15,15 @@ pub(super) fn sentence(answer: &Answer) -> String {
             let it = if answer.effects.len() > 1 { "them" } else { "it" };
             format!("The model lacks {found}; with {it}, the error on data the fit never saw is {fall:.0} % less.")
         }
+        Verdict::Partial => {
+            let left = answer.remainder.as_ref().map_or_else(String::new, |left| {
+                format!(", {} rms of it", with_unit(&format!("{:.3}", left.effort_rms), &left.unit))
+            });
+            format!(
+                "The model lacks {found}, which takes {fall:.0} % of the error on data the fit never saw; something more is \
+                 left that is not explained{left}."
+            )
+        }
         Verdict::Ambiguous => {
             format!("The model lacks {found}: something is missing, and these recordings cannot tell which it is.")
         }

@@ -1,0 +1,175 @@
+//! A conclusion as an answer.
+
+use diagnosis::locate::{Region, Span, regions, spans};
+use diagnosis::pipeline::{Conclusion, Named};
+use diagnosis::problem::Problem;
+use diagnosis::verdict as judged;
+use diagnosis::windows::HORIZONS_S;
+
+use crate::read::{AxisKind, vocabulary};
+use crate::report::{
+    Answer, EffectAnswer, Evidence, FitAnswer, Interval, Location, PredictorAnswer, Rejected, RemainderAnswer, Units, Verdict,
+};
+
+/// The answer of a conclusion, without warnings.
+pub(super) fn answer(problem: &Problem, conclusion: &Conclusion, axis: AxisKind) -> Answer {
+    let fit = fit(problem, conclusion, axis);
+    let missing = conclusion.verdict != judged::Verdict::None;
+    Answer {
+        schema: 2,
+        verdict: verdict(conclusion.verdict),
+        effects: conclusion.effects.iter().map(|named| effect(problem, named, &fit, axis)).collect(),
+        locations: if missing { spans(problem, conclusion).iter().map(|span| location(problem, span, axis)).collect() } else { Vec::new() },
+        regions: if missing { regions(problem, conclusion).iter().map(|one| region(one, axis)).collect() } else { Vec::new() },
+        rejected: rejected(conclusion),
+        remainder: conclusion.remainder.as_ref().map(|left| RemainderAnswer {
+            effort_rms: left.torque_rms,
+            unit: Units::of(axis).effort.to_owned(),
+            predictors: left
+                .predictors
+                .iter()
+                .map(|one| PredictorAnswer {
+                    channel: channel(one.channel, axis),
+                    share: one.share,
+                    p_value: one.p_value,
+                    effort_rms: one.torque_rms,
+                })
+                .collect(),
+        }),
+        fit,
+        ..Answer::default()
+    }
+}
+
+fn verdict(verdict: judged::Verdict) -> Verdict {
+    match verdict {
+        judged::Verdict::None => Verdict::None,
+        judged::Verdict::Named => Verdict::Named,
+        judged::Verdict::Ambiguous => Verdict::Ambiguous,
+        judged::Verdict::Partial => Verdict::Partial,
+        judged::Verdict::Unknown => Verdict::Unknown,
+    }
+}
+
+fn fit(problem: &Problem, conclusion: &Conclusion, axis: AxisKind) -> FitAnswer {
+    let (nominal, best) = (&conclusion.nominal.windows, &conclusion.best.windows);
+    let fitted = 0..problem.fitted;
+    let held = problem.judged();
+    // A floor above what the model leaves is none: the noise was estimated with it.
+    let floor = |recordings: std::ops::Range<usize>| best.expected_rms(recordings.clone(), 0).min(best.rms(recordings, 0));
+    let (before, after, floor_held) = (nominal.rms(held.clone(), 0), best.rms(held.clone(), 0), floor(held.clone()));
+    FitAnswer {
+        before_rms: nominal.rms(fitted.clone(), 0),
+        after_rms: best.rms(fitted.clone(), 0),
+        heldout_before_rms: before,
+        heldout_after_rms: after,
+        noise_floor_rms: floor(fitted),
+        heldout_floor_rms: floor_held,
+        excess_explained: explained(before, after, floor_held),
+        unit: Units::of(axis).position.to_owned(),
+        horizon_s: HORIZONS_S[0],
+    }
+}
+
+/// Share of the squares over the floor that is gone.
+fn explained(before: f64, after: f64, floor: f64) -> f64 {
+    let excess = before * before - floor * floor;
+    if excess > 0.0 { ((before * before - after * after) / excess).clamp(0.0, 1.0) } else { 0.0 }
+}
+
+fn effect(problem: &Problem, named: &Named, fit: &FitAnswer, axis: AxisKind) -> EffectAnswer {
+    let kinds = vocabulary::effect(named.effect.id).map_or(&[][..], |kind| kind.parameters);
+    let without = fit.heldout_after_rms / (1.0 - named.gain).max(1e-9);
+    EffectAnswer {
+        id: named.effect.id.to_owned(),
+        text: named.effect.sentence.to_owned(),
+        equivalent: named.equivalent.iter().map(|effect| effect.id.to_owned()).collect(),
+        parameters: kinds
+            .iter()
+            .zip(&named.intervals)
+            .map(|(kind, interval)| Interval {
+                id: kind.id(axis).to_owned(),
+                value: interval.value,
+                low: interval.low,
+                high: interval.high,
+                unit: kind.unit(axis).to_owned(),
+            })
+            .collect(),
+        evidence: Evidence {
+            heldout_gain: named.gain,
+            p_value: named.p_value,
+            excess_explained: explained(without, fit.heldout_after_rms, fit.heldout_floor_rms),
+        },
+        recording: named.recording.and_then(|index| Some(problem.recordings.get(index)?.name.clone())),
+    }
+}
+
+fn location(problem: &Problem, span: &Span, axis: AxisKind) -> Location {
+    let speed = Units::of(axis).speed;
+    Location {
+        recording: problem.recordings[span.recording].name.clone(),
+        start_s: span.start_s,
+        end_s: span.end_s,
+        share: span.share,
+        share_low: span.share_low,
+        share_high: span.share_high,
+        text: format!("while the axis moves at {:.3} {speed} on average", span.speed),
+    }
+}
+
+fn region(region: &Region, axis: AxisKind) -> crate::report::Region {
+    crate::report::Region {
+        channel: channel(region.channel, axis),
+        low: region.low,
+        high: region.high,
+        share: region.share,
+        share_low: region.share_low,
+        share_high: region.share_high,
+    }
+}
+
+/// The name of a channel with the unit of the axis.
+fn channel(name: &str, axis: AxisKind) -> String {
+    let (position, effort) = match axis {
+        AxisKind::Rotary => ("rad", "nm"),
+        AxisKind::Linear => ("m", "n"),
+    };
+    match name {
+        "speed" => format!("speed_{position}_s"),
+        "position" => format!("position_{position}"),
+        "torque" | "torque_rate" => format!("{name}_{effort}"),
+        "field" | "field_rate" => format!("{name}_kv_mm"),
+        "time" => "time_s".to_owned(),
+        other => other.to_owned(),
+    }
+}
+
+/// What was refitted beside the best hypothesis and not taken.
+fn rejected(conclusion: &Conclusion) -> Vec<Rejected> {
+    let one = |(effect, gain): &(&'static diagnosis::effects::Effect, f64)| Rejected {
+        id: effect.id.to_owned(),
+        heldout_gain: 0.0,
+        why: format!("it would add {gain:.1} to the log-likelihood, which chance and its free values may"),
+    };
+    conclusion.rejected.iter().filter(|(_, gain)| *gain > 0.0).map(one).collect()
+}
+
+/// What the user should know before believing the answer.
+pub(super) fn warnings(conclusion: &Conclusion) -> Vec<String> {
+    let mut warnings = Vec::new();
+    let noise = &conclusion.best.assessed.refitted.noise;
+    warnings.push(format!(
+        "judged by one-step prediction with torque noise that remembers {:.0} ms: what is slower than that is the model's to \
+         explain",
+        1e3 * noise.colour_s
+    ));
+    if conclusion.verdict == judged::Verdict::Ambiguous {
+        warnings.push("what the alternatives predict differs by less than these recordings' noise; another motion or a direct \
+             measurement (weighing, a torque sensor) tells them apart"
+            .to_owned());
+    }
+    if conclusion.cut_short {
+        warnings.push("the search ended at its budget of work: less was tried than would have been".to_owned());
+    }
+    warnings
+}

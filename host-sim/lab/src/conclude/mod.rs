@@ -1,0 +1,107 @@
+//! The answer from the statistical judge: recordings in, a conclusion of the crate `diagnosis`, the answer out.
+
+mod answer;
+
+use diagnosis::effects::Effect;
+use diagnosis::pipeline::diagnose as concluded;
+use diagnosis::problem::Problem;
+use diagnosis::recorded::Recorded;
+
+use crate::Error;
+use crate::decide::{Diagnosis, mismatch, stretches};
+use crate::effects::Physics;
+use crate::progress::Stages;
+use crate::read::{Axis, AxisKind, EffectEntry, Machine, Recording, position_step, vocabulary};
+use crate::report::{Answer, Verdict};
+
+/// Steps of the position this many times those of the machine file are not its steps.
+const COARSER: f64 = 1.5;
+/// Fewest rows of a recording that a filter settles on and still has something to say.
+const FEWEST_ROWS: usize = 40;
+
+/// What is to be diagnosed.
+#[derive(Debug)]
+pub struct Request<'a> {
+    /// The nominal model, with the effects it already has.
+    pub machine: &'a Machine,
+    /// Recordings to fit.
+    pub recordings: &'a [Recording],
+    /// Recordings that are only predicted; none to hold out blocks of the others.
+    pub holdout: &'a [Recording],
+    /// Effects that may be named.
+    pub vocabulary: &'a [&'static Effect],
+}
+
+/// Diagnoses recordings with the likelihood as the only judge.
+///
+/// # Errors
+/// Recordings too short to say anything, a machine that cannot be simulated.
+pub fn diagnose(request: &Request<'_>) -> Result<Diagnosis, Error> {
+    let files: Vec<&Recording> = request.recordings.iter().chain(request.holdout).collect();
+    if let Some(short) = files.iter().find(|file| file.rows() < FEWEST_ROWS) {
+        let rows = short.rows();
+        return Err(Error::Usage(format!("{}: {rows} rows are too few to diagnose; record at least {FEWEST_ROWS}", short.name)));
+    }
+    let mut notes: Vec<String> = files.iter().flat_map(|file| file.notes()).collect();
+    let mut stages = Stages::begin();
+    let controller = request.machine.controller.as_ref().and_then(|law| mismatch(law, &files, &mut notes));
+    stages.done("controller");
+    let names: Vec<&str> = files.iter().map(|file| file.name.as_str()).collect();
+    let machine = with_steps_of(request.machine, &files, &mut notes);
+    let problem = problem(&machine, request, &files, &mut notes);
+    stages.done("prepare");
+    let conclusion = concluded(&problem, request.vocabulary)
+        .ok_or_else(|| Error::Usage(format!("{}: the nominal machine cannot be followed along these recordings", names.join(", "))))?;
+    stages.done("search, refit and confidence set");
+    let mut answer = answer::answer(&problem, &conclusion, machine.axis.kind);
+    if let Some(effect) = controller {
+        (answer.verdict, answer.effects) = (Verdict::Controller, vec![effect]);
+    }
+    answer.warnings = notes;
+    answer.warnings.extend(answer::warnings(&conclusion));
+    stages.done("answer");
+    let nominal = Physics::of(request.machine, &names)?;
+    let improved = improved(request.machine, &names, &answer)?;
+    Ok(Diagnosis { answer, nominal, improved, proposal: None, stages })
+}
+
+/// The machine with the step that its recordings show, where that is clearly coarser than the file says.
+fn with_steps_of(machine: &Machine, files: &[&Recording], notes: &mut Vec<String>) -> Machine {
+    let steps = files.iter().filter_map(|file| Some((position_step(&file.position)?, file.name.as_str())));
+    let coarsest = steps.max_by(|a, b| a.0.total_cmp(&b.0));
+    let resolution = machine.axis.resolution;
+    match coarsest {
+        Some((step, name)) if step > COARSER * resolution => {
+            notes.push(format!(
+                "{name}: the position moves in steps of {step:.3e}, not of {resolution:.3e} as the machine file has it; the \
+                 former is used"
+            ));
+            Machine { axis: Axis { resolution: step, ..machine.axis }, ..machine.clone() }
+        }
+        _ => machine.clone(),
+    }
+}
+
+fn problem(machine: &Machine, request: &Request<'_>, files: &[&Recording], notes: &mut Vec<String>) -> Problem {
+    let read = stretches(files, notes);
+    let names: Vec<&str> = read.iter().map(|file| file.name.as_str()).collect();
+    let nominal = diagnosis::physics::Physics::nominal(machine, &names);
+    let recorded = read.iter().map(Recorded::new).collect();
+    let linear = machine.axis.kind == AxisKind::Linear;
+    Problem::new(nominal, recorded, request.recordings.len(), machine.axis.resolution, linear)
+}
+
+/// The machine with the effects of the answer, for the pictures.
+fn improved(machine: &Machine, names: &[&str], answer: &Answer) -> Result<Physics, Error> {
+    let mut with = machine.clone();
+    for effect in answer.effects.iter().filter(|effect| vocabulary::effect(&effect.id).is_some()) {
+        // What belongs to the log and not to the machine is no part of the model that is drawn.
+        if crate::effects::find(&effect.id).is_none() {
+            continue;
+        }
+        let parameters = effect.parameters.iter().map(|parameter| (parameter.id.clone(), parameter.value)).collect();
+        with.effects.push(EffectEntry { id: effect.id.clone(), parameters, recording: effect.recording.clone() });
+    }
+    Physics::of(&with, names)
+}
+
