@@ -1,11 +1,11 @@
 //! From recordings to the conclusion; the only place that knows every stage.
 
-use crate::confidence_set::{Interval, compare, intervals};
+use crate::confidence_set::{Interval, Step, compare, intervals};
 use crate::effects::{Effect, VOCABULARY};
 use crate::goodness::{Predictor, predictors};
 use crate::hypothesis::{Entry, Refitted};
 use crate::problem::Problem;
-use crate::search::{Found, LEVEL_OF_A_STEP, SMALLEST_GAIN, Step, search};
+use crate::search::{Found, LEVEL_OF_A_STEP, SMALLEST_GAIN, search};
 use crate::verdict::{Standing, Verdict, verdict};
 
 /// One effect of the answer.
@@ -99,10 +99,7 @@ fn named(problem: &Problem, found: &Found) -> Vec<Named> {
     for (at, entry) in best.refitted.hypothesis.entries.iter().enumerate() {
         let mut alike: Vec<(f64, usize, &'static Effect)> = Vec::new();
         for (_, rival) in found.rivals.iter().filter(|(place, _)| *place == at) {
-            let comparison = compare(problem, best, &rival.assessed);
-            if std::env::var("DBG").is_ok() {
-                eprintln!("{} -> {:?}: D {:.1} z {:.2} ll {:.1}", entry.effect.id, rival.assessed.refitted.hypothesis.ids(), comparison.difference, comparison.z.max(comparison.rank_z), best.refitted.log_likelihood - rival.assessed.refitted.log_likelihood);
-            }
+            let comparison = compare(problem, &found.best, rival);
             let Some(other) = rival.assessed.refitted.hypothesis.entries.last() else { continue };
             if comparison.p_value() >= level && !alike.iter().any(|(_, _, effect)| *effect == other.effect) {
                 alike.push((comparison.difference, rival.assessed.freedom(), other.effect));

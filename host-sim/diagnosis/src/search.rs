@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-use crate::confidence_set::{Assessed, assess, compare};
+use crate::confidence_set::{Assessed, Step, assess, compare};
 use crate::effects::Effect;
 use crate::hypothesis::{COLOUR_S, Entry, Hypothesis, Refitted, kept, noise_of, refit};
 use crate::likelihood::Noise;
@@ -29,16 +29,12 @@ pub const SMALLEST_GAIN: f64 = 0.03;
 pub struct Odds {
     tries: f64,
     by_chance: f64,
+    /// p-value and gain when it was taken.
+    taken: (f64, f64),
 }
 
-/// A hypothesis at its optimum, with what its windows leave and how it came about.
-#[derive(Debug, Clone)]
-pub struct Step {
-    /// The hypothesis.
-    pub assessed: Assessed,
-    /// What its windows leave.
-    pub windows: WindowFit,
-}
+/// Evidence of an entry that was put in without a test.
+const NOT_YET: (f64, f64) = (1.0, 0.0);
 
 /// What a search tried and found.
 #[derive(Debug)]
@@ -99,7 +95,7 @@ pub fn extend(problem: &Problem, at: &Refitted, candidates: &[Candidate]) -> Vec
         // A second start of an effect where it has several valleys.
         if times < 2 && (times == 0 || starts.len() < REFITTED) {
             let with = |values: &[f64]| at.hypothesis.with(candidate.entry.effect, values.to_vec());
-            starts.push((with(&candidate.entry.values), with(&candidate.from), Odds { tries: candidate.tries, by_chance: candidate.by_chance }));
+            starts.push((with(&candidate.entry.values), with(&candidate.from), Odds { tries: candidate.tries, by_chance: candidate.by_chance, taken: NOT_YET }));
         }
         seen.push(id);
         if starts.len() == 2 * REFITTED {
@@ -170,7 +166,7 @@ pub fn search(problem: &Problem, vocabulary: &[&'static Effect]) -> Option<Found
     let nominal = step(problem, nominal(problem)?)?;
     let mut best = first(problem, &nominal, vocabulary)?;
     let began = best.assessed.refitted.hypothesis.entries.len();
-    let mut tried = vec![Odds { tries: 1.0, by_chance: 0.0 }; began];
+    let mut tried = vec![Odds { tries: 1.0, by_chance: 0.0, taken: NOT_YET }; began];
     // What happens once is looked for when nothing that holds always is left.
     let lasting: Vec<&'static Effect> = vocabulary.iter().copied().filter(|effect| !effect.once).collect();
     let mut among: &[&'static Effect] = &lasting;
@@ -179,8 +175,8 @@ pub fn search(problem: &Problem, vocabulary: &[&'static Effect]) -> Option<Found
         let found = extend(problem, &best.assessed.refitted, &candidates(problem, &best.assessed.refitted, among));
         let taken = found.iter().find_map(|(one, odds)| Some((worth(problem, &best, one, *odds)?, *odds)));
         match taken {
-            Some((next, odds)) => {
-                tried.push(odds);
+            Some(((next, taken), odds)) => {
+                tried.push(Odds { taken, ..odds });
                 best = next;
             }
             None if among.len() < vocabulary.len() => among = vocabulary,
@@ -194,7 +190,7 @@ pub fn search(problem: &Problem, vocabulary: &[&'static Effect]) -> Option<Found
 }
 
 /// The step to a hypothesis with one entry more, if it is worth it.
-fn worth(problem: &Problem, from: &Step, to: &Refitted, odds: Odds) -> Option<Step> {
+fn worth(problem: &Problem, from: &Step, to: &Refitted, odds: Odds) -> Option<(Step, (f64, f64))> {
     let rise = to.log_likelihood - from.assessed.refitted.log_likelihood;
     if !(rise > price(problem)) {
         return None;
@@ -205,7 +201,7 @@ fn worth(problem: &Problem, from: &Step, to: &Refitted, odds: Odds) -> Option<St
     let gain = gain(problem, &next, from, entry);
     let crossed = next.assessed.total() > from.assessed.total();
     let apart = next.assessed.away_from_neutral(&problem.nominal, entry);
-    (p < LEVEL_OF_A_STEP && gain >= SMALLEST_GAIN && crossed && apart).then_some(next)
+    (p < LEVEL_OF_A_STEP && gain >= SMALLEST_GAIN && crossed && apart).then_some((next, (p, gain)))
 }
 
 /// What an entry brings to the windows: those that judge, or those around an event.
@@ -240,7 +236,7 @@ fn neighbourhood(
     while at < best.assessed.refitted.hypothesis.entries.len() {
         if problem.is_spent() {
             // What was not looked at any more is told as found, without rivals.
-            evidence.resize(best.assessed.refitted.hypothesis.entries.len(), (0.0, SMALLEST_GAIN));
+            evidence.extend(tried[at..].iter().map(|odds| odds.taken));
             break;
         }
         let hypothesis = &best.assessed.refitted.hypothesis;
@@ -265,12 +261,12 @@ fn neighbourhood(
         let found: Vec<Step> = found.into_iter().take(REFITTED).filter_map(|(one, _)| step(problem, one)).collect();
         let simpler = found.iter().find(|rival| {
             let fewer = rival.assessed.freedom() < best.assessed.freedom();
-            fewer && compare(problem, &best.assessed, &rival.assessed).p_value() >= LEVEL_OF_THE_SET / found.len() as f64
+            fewer && compare(problem, &best, rival).p_value() >= LEVEL_OF_THE_SET / found.len() as f64
         });
         if let Some(simpler) = simpler {
             // The new entry stands last.
             tried.remove(at);
-            tried.push(Odds { tries: 1.0, by_chance: 0.0 });
+            tried.push(Odds { tries: 1.0, by_chance: 0.0, taken: NOT_YET });
             (best, at) = (simpler.clone(), 0);
             evidence.clear();
             rivals.clear();

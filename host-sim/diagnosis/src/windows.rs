@@ -51,6 +51,12 @@ impl WindowFit {
         self.mean_where(recordings, horizon, |_| true, |window| window.expected).sqrt()
     }
 
+    /// For each window of the longer horizon the logarithm by which another fit leaves more.
+    pub(crate) fn log_ratios(&self, other: &Self) -> Vec<f64> {
+        let pairs = self.windows.iter().zip(&other.windows).flat_map(|(own, other)| own[1].iter().zip(&other[1]));
+        pairs.map(|(own, other)| (other.squares / own.squares).ln()).filter(|ratio| ratio.is_finite()).collect()
+    }
+
     fn mean_where(
         &self,
         recordings: Range<usize>,

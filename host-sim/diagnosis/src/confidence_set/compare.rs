@@ -2,7 +2,7 @@
 
 use statrs::distribution::{ContinuousCDF, Normal};
 
-use super::information::Assessed;
+use super::Step;
 use crate::problem::Problem;
 
 /// How much better one is than another.
@@ -14,13 +14,16 @@ pub struct Comparison {
     pub z: f64,
     /// Signed-rank statistic of the blocks (Wilcoxon 1945), standardised: a few wild blocks do not hide the many.
     pub rank_z: f64,
+    /// The same of the windows of the longer horizon, by the logarithm of their squares (Diebold and Mariano 1995): what one
+    /// step hides shows over many.
+    pub window_z: f64,
 }
 
 impl Comparison {
     /// Probability that chance alone makes it that much better.
     pub fn p_value(&self) -> f64 {
-        // The better of two tests, so twice its level.
-        (2.0 * Normal::standard().cdf(-self.z.max(self.rank_z))).min(1.0)
+        // The best of three tests, so three times its level.
+        (3.0 * Normal::standard().cdf(-self.z.max(self.rank_z).max(self.window_z))).min(1.0)
     }
 }
 
@@ -29,7 +32,9 @@ const LAGS: usize = 2;
 
 /// Vuong's test (1989) for a motion that is given and not drawn: what the distance of the two predictions makes a block
 /// expect is no chance, the rest of the block's difference is.
-pub fn compare(problem: &Problem, better: &Assessed, other: &Assessed) -> Comparison {
+pub fn compare(problem: &Problem, better: &Step, other: &Step) -> Comparison {
+    let window_z = signed_rank(&better.windows.log_ratios(&other.windows));
+    let (better, other) = (&better.assessed, &other.assessed);
     let mut expected: Vec<Vec<f64>> = Vec::new();
     let mut differences: Vec<Vec<f64>> = Vec::new();
     for index in 0..problem.recordings.len() {
@@ -57,7 +62,7 @@ pub fn compare(problem: &Problem, better: &Assessed, other: &Assessed) -> Compar
     // Under equal fits the difference of two predictions spreads by at least the square root of twice what it is.
     let least = all_expected.iter().sum::<f64>() * 2.0;
     let sd = variance.max(least).max(f64::MIN_POSITIVE).sqrt();
-    Comparison { difference, z: if difference == 0.0 { 0.0 } else { difference / sd }, rank_z: signed_rank(&all) }
+    Comparison { difference, z: if difference == 0.0 { 0.0 } else { difference / sd }, rank_z: signed_rank(&all), window_z }
 }
 
 /// Neighbouring blocks are summed in pairs: what is left of their correlation is small against a pair.

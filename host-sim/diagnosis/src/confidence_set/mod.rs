@@ -4,7 +4,18 @@ mod compare;
 mod information;
 mod intervals;
 
+use crate::windows::WindowFit;
+
 pub use compare::{Comparison, compare};
 pub use information::{Assessed, assess};
 pub(crate) use intervals::TWO_SIDED_95;
 pub use intervals::{Interval, intervals};
+
+/// A hypothesis at its optimum, with what its windows leave.
+#[derive(Debug, Clone)]
+pub struct Step {
+    /// The hypothesis.
+    pub assessed: Assessed,
+    /// What its windows leave.
+    pub windows: WindowFit,
+}

@@ -34,6 +34,7 @@ pub fn evaluate(problem: &Problem, physics: &Physics, noise: &Noise) -> Option<E
         .map(|index| {
             let acting = Acting::new(physics, index, &problem.recordings[index], &problem.grids[index])?;
             let prepared = Prepared::new(physics, index);
+            problem.spend(problem.grids[index].substeps());
             let innovations = prepared.run(driven(problem, index, &acting), noise);
             let blocks = blocks(problem, index, &innovations);
             blocks.iter().all(|block| block.is_finite()).then_some((innovations, blocks))
@@ -44,7 +45,6 @@ pub fn evaluate(problem: &Problem, physics: &Physics, noise: &Noise) -> Option<E
 }
 
 pub(crate) fn driven<'a>(problem: &'a Problem, index: usize, acting: &'a Acting) -> Driven<'a> {
-    problem.spend(problem.grids[index].substeps());
     let recorded = &problem.recordings[index];
     Driven { recorded, grid: &problem.grids[index], acting, rows: 0..recorded.rows() }
 }
@@ -70,6 +70,7 @@ pub(crate) fn kept(problem: &Problem, physics: &Physics, noise: &Noise, many: us
         .map(|index| {
             let acting = Acting::new(physics, index, &problem.recordings[index], &problem.grids[index])?;
             let prepared = Prepared::new(physics, index);
+            problem.spend(problem.grids[index].substeps());
             let (innovations, path) = prepared.run_kept(driven(problem, index, &acting), noise);
             Some(KeptRecording { prepared, acting, innovations, path })
         })
@@ -94,6 +95,7 @@ impl Kept {
             };
             let prepared = Prepared::new(other, index);
             let driven = driven(problem, index, acting.as_ref().unwrap_or(&kept.acting));
+            problem.spend(problem.grids[index].substeps());
             let column = prepared.response(&kept.prepared, &kept.path, driven);
             column.iter().all(|value| value.is_finite()).then_some(column)
         };
@@ -130,6 +132,7 @@ pub fn noise_of(problem: &Problem, physics: &Physics, from: &Noise, octaves: f64
         let one = |(index, rows): &(usize, std::ops::Range<usize>)| -> f64 {
             let (acting, prepared) = &prepared[*index];
             let driven = Driven { rows: rows.clone(), ..driven(problem, *index, acting) };
+            problem.spend(rows.len() * problem.grids[*index].substeps() / problem.recordings[*index].rows().max(1));
             prepared.run(driven, noise).log_likelihood.iter().sum()
         };
         let sum: f64 = problem.excerpt.par_iter().map(one).collect::<Vec<f64>>().iter().sum();
