@@ -97,7 +97,7 @@ fn synonym(section: &str, word: &str) -> Option<String> {
     let matching = || SYNONYMS.iter().filter(|(other, _)| *other == word).map(|(_, path)| *path);
     let here = matching().find(|path| path.rsplit_once('.').is_some_and(|(above, _)| above == section));
     let name_here = here.and_then(|path| path.rsplit('.').next());
-    name_here.or_else(|| matching().last()).map(str::to_owned)
+    name_here.or_else(|| matching().next_back()).map(str::to_owned)
 }
 
 #[cfg(test)]

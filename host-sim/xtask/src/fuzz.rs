@@ -46,6 +46,17 @@ pub fn bounded() -> Result<(), String> {
     })
 }
 
+/// Feeds servo-lab bent recordings and machine files, each as a process that must answer within a minute: exit code 0, or 2
+/// with one message. Takes hours; its faults are printed as they come.
+///
+/// # Errors
+///
+/// A failed build, or a case with a fault.
+pub fn sweep() -> Result<(), String> {
+    let arguments = ["test", "--release", "-p", "lab", "--test", "sweep", "--", "--ignored", "--nocapture"];
+    run(cargo(&root(), &arguments))
+}
+
 /// Runs one target for a time, with inputs that are others each time.
 ///
 /// # Errors

@@ -32,8 +32,8 @@ enum Command {
         #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
         arguments: Vec<String>,
     },
-    /// Runs every fuzz target for a bounded number of inputs, or one for a time; an input that fails is kept in
-    /// `host-sim/fuzz/target`.
+    /// Runs every fuzz target for a bounded number of inputs and then the sweep of bent recordings, or one target for a time;
+    /// an input that fails is kept in `host-sim/fuzz/target`.
     Fuzz {
         /// One of `host-sim/fuzz/fuzz_targets`.
         #[arg(long)]
@@ -54,7 +54,7 @@ fn main() -> ExitCode {
         Command::Firmware => firmware::build().map(|image| image.print()),
         Command::Board { arguments } => firmware::board(&arguments),
         Command::Fuzz { target: Some(target), seconds } => fuzz::for_seconds(&target, seconds),
-        Command::Fuzz { target: None, .. } => fuzz::bounded(),
+        Command::Fuzz { target: None, .. } => fuzz::bounded().and_then(|()| fuzz::sweep()),
         Command::Bench => test::bench(),
         Command::Golden => test::golden(),
     };

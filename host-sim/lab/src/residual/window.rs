@@ -81,7 +81,8 @@ const LEAST_ROWS: f64 = 10.0;
 
 /// Length of the windows of a recording, s: as wished, or as long as enough rows take.
 pub(crate) fn horizon_s(recording: &Recording, wished_s: f64) -> f64 {
-    wished_s.max(LEAST_ROWS * median_period_s(&recording.t_s))
+    // Whole microseconds: the last digits of jittered times are no part of a length that is told.
+    wished_s.max((1e6 * LEAST_ROWS * median_period_s(&recording.t_s)).round() / 1e6)
 }
 
 /// Median time from row to row, s; 1 ms without two rows.
