@@ -80,7 +80,10 @@ pub fn spans(problem: &Problem, conclusion: &Conclusion) -> Vec<Span> {
             if share * problem.blocks.iter().map(Vec::len).sum::<usize>() as f64 <= 1.0 {
                 continue;
             }
-            match spans.last_mut().filter(|last| last.recording == recording && start_s - last.end_s < 2.0 * recorded.period_s()) {
+            match spans
+                .last_mut()
+                .filter(|last| last.recording == recording && start_s - last.end_s < 2.0 * recorded.period_s())
+            {
                 Some(last) => {
                     last.speed = last.speed.max(speed);
                     (last.end_s, last.share) = (end_s, last.share + share);
@@ -150,13 +153,16 @@ fn region(
         .collect();
     all.sort_by(|a, b| a.0.total_cmp(&b.0));
     let edge = |bin: usize| bin * all.len() / BINS;
-    let bins: Vec<f64> = (0..BINS).map(|bin| all[edge(bin)..edge(bin + 1)].iter().map(|(_, gain)| gain).sum()).collect();
+    let bins: Vec<f64> =
+        (0..BINS).map(|bin| all[edge(bin)..edge(bin + 1)].iter().map(|(_, gain)| gain).sum()).collect();
     let total: f64 = bins.iter().sum();
-    if !(total > 0.0) {
+    if total.is_nan() || total <= 0.0 {
         return None;
     }
     (1..=BINS).find_map(|width| {
-        let best = (0..=BINS - width).map(|from| (from, bins[from..from + width].iter().sum::<f64>())).max_by(|a, b| a.1.total_cmp(&b.1))?;
+        let best = (0..=BINS - width)
+            .map(|from| (from, bins[from..from + width].iter().sum::<f64>()))
+            .max_by(|a, b| a.1.total_cmp(&b.1))?;
         let (from, sum) = best;
         if sum < HALF * total {
             return None;

@@ -22,7 +22,9 @@ impl Physics {
         });
         for entry in &machine.effects {
             let effect = VOCABULARY.iter().find(|effect| effect.id == entry.id);
-            if let Some((effect, values)) = effect.and_then(|effect| Some((effect, values(machine, effect, entry, recordings)?))) {
+            if let Some((effect, values)) =
+                effect.and_then(|effect| Some((effect, values(machine, effect, entry, recordings)?)))
+            {
                 (effect.put)(&mut physics, &values);
             }
         }

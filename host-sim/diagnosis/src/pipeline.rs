@@ -3,9 +3,9 @@
 use crate::confidence_set::{Interval, Step, compare, intervals};
 use crate::effects::{Effect, VOCABULARY};
 use crate::goodness::{Predictor, predictors};
-use crate::hypothesis::{Entry, Refitted};
+use crate::hypothesis::Entry;
 use crate::problem::Problem;
-use crate::search::{Found, LEVEL_OF_A_STEP, SMALLEST_GAIN, search};
+use crate::search::{Found, LEVEL_OF_A_STEP, Rejected, SMALLEST_GAIN, search};
 use crate::verdict::{Standing, Verdict, verdict};
 
 /// One effect of the answer.
@@ -36,6 +36,8 @@ pub struct Remainder {
     pub torque_rms: f64,
     /// Channels that predict part of what is left, best first.
     pub predictors: Vec<Predictor>,
+    /// Effects that would certainly add to the likelihood, but too little to the motion to be named.
+    pub unnamed: Vec<&'static Effect>,
 }
 
 /// The conclusion with everything it was drawn from.
@@ -54,14 +56,18 @@ pub struct Conclusion {
     /// Whether the search ended at its budget of work.
     pub cut_short: bool,
     /// What was refitted and not taken, with the log-likelihood it would have brought.
-    pub rejected: Vec<(&'static Effect, f64)>,
+    pub rejected: Vec<Rejected>,
 }
 
 /// Most equivalents that are listed (diagnosis.md).
 const MOST_EQUIVALENTS: usize = 3;
 
 /// What no motion tells from it, then what these recordings do not.
-fn equivalent(problem: &Problem, effect: &'static Effect, alike: &[(f64, usize, &'static Effect)]) -> Vec<&'static Effect> {
+fn equivalent(
+    problem: &Problem,
+    effect: &'static Effect,
+    alike: &[(f64, usize, &'static Effect)],
+) -> Vec<&'static Effect> {
     let always = VOCABULARY.iter().copied().filter(|other| problem.nominal.indistinct(effect, other));
     let mut all: Vec<&'static Effect> = always.collect();
     for (_, _, other) in alike {
@@ -79,17 +85,20 @@ pub const LEVEL_OF_THE_SET: f64 = 0.05;
 /// Diagnoses; none where no pass over the recordings is finite.
 pub fn diagnose(problem: &Problem, vocabulary: &[&'static Effect]) -> Option<Conclusion> {
     let found = search(problem, vocabulary)?;
-    let left = remainder(problem, &found.best.assessed.refitted);
+    let left = remainder(problem, &found);
     let effects = named(problem, &found);
     let standings: Vec<Standing> = effects.iter().map(|effect| effect.standing).collect();
     let verdict = verdict(&standings, left.is_some());
-    let before = found.best.assessed.refitted.log_likelihood;
-    let rejected = found
-        .rejected
-        .iter()
-        .filter_map(|one| Some((one.hypothesis.entries.last()?.effect, one.log_likelihood - before)))
-        .collect();
-    Some(Conclusion { verdict, effects, remainder: left, nominal: found.nominal, best: found.best, cut_short: problem.is_spent(), rejected })
+    let rejected = found.rejected;
+    Some(Conclusion {
+        verdict,
+        effects,
+        remainder: left,
+        nominal: found.nominal,
+        best: found.best,
+        cut_short: problem.is_spent(),
+        rejected,
+    })
 }
 
 fn named(problem: &Problem, found: &Found) -> Vec<Named> {
@@ -129,15 +138,20 @@ fn named(problem: &Problem, found: &Found) -> Vec<Named> {
     effects
 }
 
-/// What is left, if a channel predicts a relevant part of it.
-fn remainder(problem: &Problem, refitted: &Refitted) -> Option<Remainder> {
+/// What is left, if a channel predicts a relevant part of it, or if another effect certainly adds to the likelihood, a relevant
+/// part of what was gained, without being worth a name.
+fn remainder(problem: &Problem, found: &Found) -> Option<Remainder> {
+    let refitted = &found.best.assessed.refitted;
     let all = predictors(problem, refitted);
     let level = LEVEL_OF_A_STEP / all.len().max(1) as f64;
     let predictors: Vec<Predictor> =
         all.into_iter().filter(|one| one.p_value < level && one.share >= SMALLEST_GAIN).collect();
-    (!predictors.is_empty()).then(|| {
+    let gained = refitted.log_likelihood - found.nominal.assessed.refitted.log_likelihood;
+    let unnamed = found.rejected.iter().filter(|one| one.certain && one.rise >= SMALLEST_GAIN * gained);
+    let unnamed: Vec<&'static Effect> = unnamed.map(|one| one.effect).collect();
+    (!predictors.is_empty() || !unnamed.is_empty()).then(|| {
         let noise = &refitted.noise;
         let white = noise.torque_density / (2.0 * noise.colour_s);
-        Remainder { torque_rms: (noise.colour_sd * noise.colour_sd + white).sqrt(), predictors }
+        Remainder { torque_rms: (noise.colour_sd * noise.colour_sd + white).sqrt(), predictors, unnamed }
     })
 }

@@ -44,11 +44,26 @@ impl Problem {
     pub fn new(nominal: Physics, recordings: Vec<Recorded>, fitted: usize, resolution: f64, linear: bool) -> Self {
         let grids = recordings.iter().map(Grid::new).collect();
         let blocks = recordings.iter().map(blocks).collect();
-        let excerpt = recordings[..fitted].iter().enumerate().flat_map(|(index, recorded)| stretches(index, recorded.rows())).collect();
+        let excerpt = recordings[..fitted]
+            .iter()
+            .enumerate()
+            .flat_map(|(index, recorded)| stretches(index, recorded.rows()))
+            .collect();
         let excitation = excitation(&recordings, fitted, linear);
         // Steps of a uniform quantiser; without any, what double precision keeps of the travel.
-        let least_sensor_sd = (resolution / 12.0_f64.sqrt()).max(1e-9 * excitation.travel).max(f64::MIN_POSITIVE.sqrt());
-        Self { nominal, recordings, fitted, grids, blocks, excitation, least_sensor_sd, excerpt, spent: AtomicU64::new(0) }
+        let least_sensor_sd =
+            (resolution / 12.0_f64.sqrt()).max(1e-9 * excitation.travel).max(f64::MIN_POSITIVE.sqrt());
+        Self {
+            nominal,
+            recordings,
+            fitted,
+            grids,
+            blocks,
+            excitation,
+            least_sensor_sd,
+            excerpt,
+            spent: AtomicU64::new(0),
+        }
     }
 }
 
@@ -88,7 +103,9 @@ fn stretches(index: usize, rows: usize) -> Vec<(usize, Range<usize>)> {
         return vec![(index, 0..rows)];
     }
     let (share, length) = (rows / STRETCHES, EXCERPT_ROWS / STRETCHES);
-    (0..STRETCHES).map(|stretch| (index, stretch * share + (share - length) / 2..stretch * share + (share + length) / 2)).collect()
+    (0..STRETCHES)
+        .map(|stretch| (index, stretch * share + (share - length) / 2..stretch * share + (share + length) / 2))
+        .collect()
 }
 
 fn blocks(recorded: &Recorded) -> Vec<Range<usize>> {
@@ -108,7 +125,10 @@ fn excitation(recordings: &[Recorded], fitted: usize, linear: bool) -> Excitatio
             excitation.field_peak = excitation.field_peak.max(command.field_kv_mm);
         }
         rows += recorded.rows();
-        let (low, high) = recorded.position.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), p| (low.min(*p), high.max(*p)));
+        let (low, high) = recorded
+            .position
+            .iter()
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), p| (low.min(*p), high.max(*p)));
         excitation.travel = excitation.travel.max(high - low);
         excitation.speed_peak = excitation.speed_peak.max(speed_peak(recorded));
         excitation.duration_s = excitation.duration_s.max(recorded.duration_s());
@@ -120,9 +140,11 @@ fn excitation(recordings: &[Recorded], fitted: usize, linear: bool) -> Excitatio
 
 /// Largest speed over 20 ms or eight rows, whichever is longer, rad/s (m/s): steps of the sensor are no speed.
 fn speed_peak(recorded: &Recorded) -> f64 {
-    let apart = ((0.02 / recorded.period_s().max(f64::MIN_POSITIVE)).ceil() as usize).clamp(8, recorded.rows().max(9) - 1);
+    let apart =
+        ((0.02 / recorded.period_s().max(f64::MIN_POSITIVE)).ceil() as usize).clamp(8, recorded.rows().max(9) - 1);
     let speeds = (apart..recorded.rows()).map(|row| {
-        ((recorded.position[row] - recorded.position[row - apart]) / (recorded.t_s[row] - recorded.t_s[row - apart])).abs()
+        ((recorded.position[row] - recorded.position[row - apart]) / (recorded.t_s[row] - recorded.t_s[row - apart]))
+            .abs()
     });
     speeds.fold(0.0, f64::max)
 }

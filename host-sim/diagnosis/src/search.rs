@@ -48,7 +48,18 @@ pub struct Found {
     /// Hypotheses beside the best: what was refitted in place of an entry, with the entry's place.
     pub rivals: Vec<(usize, Step)>,
     /// What was refitted beside the best and not taken.
-    pub rejected: Vec<Refitted>,
+    pub rejected: Vec<Rejected>,
+}
+
+/// What was refitted beside the best and not taken.
+#[derive(Debug, Clone)]
+pub struct Rejected {
+    /// The effect.
+    pub effect: &'static Effect,
+    /// Log-likelihood that it would add.
+    pub rise: f64,
+    /// Whether chance and its free values do not explain that.
+    pub certain: bool,
 }
 
 /// Noise to begin with.
@@ -95,7 +106,11 @@ pub fn extend(problem: &Problem, at: &Refitted, candidates: &[Candidate]) -> Vec
         // A second start of an effect where it has several valleys.
         if times < 2 && (times == 0 || starts.len() < REFITTED) {
             let with = |values: &[f64]| at.hypothesis.with(candidate.entry.effect, values.to_vec());
-            starts.push((with(&candidate.entry.values), with(&candidate.from), Odds { tries: candidate.tries, by_chance: candidate.by_chance, taken: NOT_YET }));
+            starts.push((
+                with(&candidate.entry.values),
+                with(&candidate.from),
+                Odds { tries: candidate.tries, by_chance: candidate.by_chance, taken: NOT_YET },
+            ));
         }
         seen.push(id);
         if starts.len() == 2 * REFITTED {
@@ -124,7 +139,8 @@ pub fn extend(problem: &Problem, at: &Refitted, candidates: &[Candidate]) -> Vec
         first
     });
     let rest = found.split_off(FOLLOWED.min(found.len()));
-    let follow = |(start, tries): &(Refitted, Odds)| Some((refit(problem, &start.hypothesis, &start.noise, 10)?, *tries));
+    let follow =
+        |(start, tries): &(Refitted, Odds)| Some((refit(problem, &start.hypothesis, &start.noise, 10)?, *tries));
     let mut found: Vec<(Refitted, Odds)> = found.par_iter().filter_map(follow).collect();
     found.extend(rest);
     rank(&mut found);
@@ -136,7 +152,7 @@ pub fn p_value(assessed: &Assessed, entry: usize, gain: f64, odds: Odds) -> f64 
     let of = &assessed.refitted.hypothesis.entries[entry];
     let freedom = of.effect.freedom(&of.values).max(1) as f64;
     let statistic = 2.0 * gain / assessed.inflation(entry);
-    if !(statistic > 0.0) {
+    if statistic.is_nan() || statistic <= 0.0 {
         return 1.0;
     }
     let single = ChiSquared::new(freedom).map_or(1.0, |chi| chi.sf(statistic));
@@ -181,7 +197,7 @@ pub fn search(problem: &Problem, vocabulary: &[&'static Effect]) -> Option<Found
             }
             None if among.len() < vocabulary.len() => among = vocabulary,
             None => {
-                rejected = found.into_iter().map(|(one, _)| one).collect();
+                rejected = found.into_iter().filter_map(|(one, odds)| not_taken(problem, &best, one, odds)).collect();
                 break;
             }
         }
@@ -189,10 +205,22 @@ pub fn search(problem: &Problem, vocabulary: &[&'static Effect]) -> Option<Found
     neighbourhood(problem, vocabulary, nominal, best, tried, rejected)
 }
 
+/// What a refit that was not taken would add, and whether that is certain.
+fn not_taken(problem: &Problem, from: &Step, to: Refitted, odds: Odds) -> Option<Rejected> {
+    let effect = to.hypothesis.entries.last()?.effect;
+    let rise = to.log_likelihood - from.assessed.refitted.log_likelihood;
+    let worth_it = rise > price(problem) * (freedom(&to) - freedom(&from.assessed.refitted));
+    let certain = worth_it && {
+        let entry = to.hypothesis.entries.len() - 1;
+        assess(problem, to).is_some_and(|assessed| p_value(&assessed, entry, rise, odds) < LEVEL_OF_A_STEP)
+    };
+    Some(Rejected { effect, rise, certain })
+}
+
 /// The step to a hypothesis with one entry more, if it is worth it.
 fn worth(problem: &Problem, from: &Step, to: &Refitted, odds: Odds) -> Option<(Step, (f64, f64))> {
     let rise = to.log_likelihood - from.assessed.refitted.log_likelihood;
-    if !(rise > price(problem)) {
+    if rise.is_nan() || rise <= price(problem) {
         return None;
     }
     let next = step(problem, to.clone())?;
@@ -229,9 +257,10 @@ fn neighbourhood(
     nominal: Step,
     mut best: Step,
     mut tried: Vec<Odds>,
-    rejected: Vec<Refitted>,
+    rejected: Vec<Rejected>,
 ) -> Option<Found> {
-    let (mut evidence, mut rivals): (Vec<(f64, f64)>, Vec<(usize, Step)>) = (Vec::new(), Vec::new());
+    let mut evidence = Vec::new();
+    let mut rivals: Vec<(usize, Step)> = Vec::new();
     let mut at = 0;
     while at < best.assessed.refitted.hypothesis.entries.len() {
         if problem.is_spent() {
@@ -257,7 +286,8 @@ fn neighbourhood(
         }
         let own = hypothesis.entries[at].effect;
         let others: Vec<&'static Effect> = vocabulary.iter().copied().filter(|effect| *effect != own).collect();
-        let found = extend(problem, &without.assessed.refitted, &candidates(problem, &without.assessed.refitted, &others));
+        let found =
+            extend(problem, &without.assessed.refitted, &candidates(problem, &without.assessed.refitted, &others));
         let found: Vec<Step> = found.into_iter().take(REFITTED).filter_map(|(one, _)| step(problem, one)).collect();
         let simpler = found.iter().find(|rival| {
             let fewer = rival.assessed.freedom() < best.assessed.freedom();

@@ -5,7 +5,7 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use crate::hypothesis::{Refitted, driven, kept};
-use crate::likelihood::filter::Window;
+use crate::likelihood::Window;
 use crate::problem::Problem;
 
 /// Windows of each recording at two horizons.
@@ -73,7 +73,8 @@ impl WindowFit {
     pub fn gain_at(&self, other: &Self, recording: usize, rows: &Range<usize>) -> f64 {
         let near = |window: &Window| window.start < rows.end && window.start + window.rows > rows.start;
         let fall = |horizon: usize| {
-            let of = |fit: &Self| fit.mean_where(recording..recording + 1, horizon, near, |window| window.squares).sqrt();
+            let of =
+                |fit: &Self| fit.mean_where(recording..recording + 1, horizon, near, |window| window.squares).sqrt();
             let (before, after) = (of(other), of(self));
             if before > 0.0 { 1.0 - after / before } else { 0.0 }
         };

@@ -38,8 +38,11 @@ pub fn compare(problem: &Problem, better: &Step, other: &Step) -> Comparison {
     let mut expected: Vec<Vec<f64>> = Vec::new();
     let mut differences: Vec<Vec<f64>> = Vec::new();
     for index in 0..problem.recordings.len() {
-        let (one, two) = (&better.refitted.evaluation.innovations[index], &other.refitted.evaluation.innovations[index]);
-        let distance = |row: usize| if one.counted[row] { 0.5 * (one.whitened[row] - two.whitened[row]).powi(2).min(64.0) } else { 0.0 };
+        let (one, two) =
+            (&better.refitted.evaluation.innovations[index], &other.refitted.evaluation.innovations[index]);
+        let distance = |row: usize| {
+            if one.counted[row] { 0.5 * (one.whitened[row] - two.whitened[row]).powi(2).min(64.0) } else { 0.0 }
+        };
         expected.push(problem.blocks[index].iter().map(|block| block.clone().map(distance).sum()).collect());
         differences.push(better.crossed[index].iter().zip(&other.crossed[index]).map(|(a, b)| a - b).collect());
     }
@@ -62,7 +65,12 @@ pub fn compare(problem: &Problem, better: &Step, other: &Step) -> Comparison {
     // Under equal fits the difference of two predictions spreads by at least the square root of twice what it is.
     let least = all_expected.iter().sum::<f64>() * 2.0;
     let sd = variance.max(least).max(f64::MIN_POSITIVE).sqrt();
-    Comparison { difference, z: if difference == 0.0 { 0.0 } else { difference / sd }, rank_z: signed_rank(&all), window_z }
+    Comparison {
+        difference,
+        z: if difference == 0.0 { 0.0 } else { difference / sd },
+        rank_z: signed_rank(&all),
+        window_z,
+    }
 }
 
 /// Neighbouring blocks are summed in pairs: what is left of their correlation is small against a pair.
@@ -74,4 +82,3 @@ fn signed_rank(differences: &[f64]) -> f64 {
     let variance = n * (n + 1.0) * (2.0 * n + 1.0) / 6.0;
     if variance > 0.0 { sum / variance.sqrt() } else { 0.0 }
 }
-

@@ -36,7 +36,8 @@ impl Assessed {
     /// How many times more an entry's values scatter over blocks than independent rows would let them, at least 1.
     pub fn inflation(&self, entry: usize) -> f64 {
         let places = self.refitted.hypothesis.free();
-        let ratio = |(i, &(at, _)): (usize, &(usize, usize))| (at == entry).then(|| self.covariance[(i, i)] / self.naive[i]);
+        let ratio =
+            |(i, &(at, _)): (usize, &(usize, usize))| (at == entry).then(|| self.covariance[(i, i)] / self.naive[i]);
         places.iter().enumerate().filter_map(ratio).filter(|ratio| ratio.is_finite()).fold(1.0, f64::max)
     }
 }
@@ -87,9 +88,14 @@ pub fn assess(problem: &Problem, refitted: Refitted) -> Option<Assessed> {
     for (i, range) in ranges.iter().enumerate() {
         information[(i, i)] = information[(i, i)] * (1.0 + 1e-9) + 0.01 / (range.scale * range.scale);
     }
-    let values: Vec<f64> =
-        refitted.hypothesis.free().iter().map(|&(entry, index)| refitted.hypothesis.entries[entry].values[index]).collect();
-    let at_bound = values.iter().zip(&ranges).map(|(value, range)| *value <= range.low || *value >= range.high).collect();
+    let values: Vec<f64> = refitted
+        .hypothesis
+        .free()
+        .iter()
+        .map(|&(entry, index)| refitted.hypothesis.entries[entry].values[index])
+        .collect();
+    let at_bound =
+        values.iter().zip(&ranges).map(|(value, range)| *value <= range.low || *value >= range.high).collect();
     let covariance = sandwich(&information, &scores)?;
     let naive = information.clone().cholesky()?.inverse().diagonal().iter().copied().collect();
     let crossed = crossed(problem, &refitted, &information, &scores, &parts);

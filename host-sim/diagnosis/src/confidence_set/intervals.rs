@@ -54,7 +54,11 @@ pub fn intervals(best: &Assessed, at: usize) -> Vec<Interval> {
 
 /// A phase that passes pi by a small step is no jump.
 fn wrapped(difference: f64) -> f64 {
-    if difference.abs() > std::f64::consts::PI { difference - std::f64::consts::TAU.copysign(difference) } else { difference }
+    if difference.abs() > std::f64::consts::PI {
+        difference - std::f64::consts::TAU.copysign(difference)
+    } else {
+        difference
+    }
 }
 
 impl Assessed {

@@ -11,12 +11,7 @@ const RESONANCE: Parameter = sized(Size::Rate, 1e-4, 0.25, 2.5e-3);
 pub static EFFECT: Effect = Effect {
     id: "backlash",
     sentence: "Part of the inertia hangs behind a gap: gear, key, spline or coupling with play.",
-    parameters: &[
-        sized(Size::Travel, 0.0, 0.1, 1e-3),
-        RESONANCE,
-        free(1e-3, 1.0, 0.02),
-        free(1e-2, 5.0, 0.1),
-    ],
+    parameters: &[sized(Size::Travel, 0.0, 0.1, 1e-3), RESONANCE, free(1e-3, 1.0, 0.02), free(1e-2, 5.0, 0.1)],
     starts: |_, e| {
         let mut all = Vec::new();
         for gap in [2.5e-4, 5e-4, 1e-3, 2e-3, 4e-3, 8e-3] {

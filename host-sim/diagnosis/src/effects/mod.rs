@@ -4,8 +4,8 @@
 //! one for the time domain (`plant`). Adding an effect is adding a file and a line here.
 
 mod backlash;
-mod cogging;
 mod channel_skew;
+mod cogging;
 mod compliance;
 mod coulomb_friction;
 mod disturbance_pulse;
@@ -127,7 +127,14 @@ pub(crate) const fn sized(size: Size, low: f64, high: f64, scale: f64) -> Parame
 
 /// A parameter the start grid decides.
 pub(crate) const fn fixed() -> Parameter {
-    Parameter { low: f64::NEG_INFINITY, high: f64::INFINITY, scale: 1.0, free: false, searched: false, size: Size::Unit }
+    Parameter {
+        low: f64::NEG_INFINITY,
+        high: f64::INFINITY,
+        scale: 1.0,
+        free: false,
+        searched: false,
+        size: Size::Unit,
+    }
 }
 
 /// A number above zero that no derivative of the innovations tells.
@@ -177,6 +184,9 @@ pub enum Columns {
     Each,
 }
 
+/// Recording, start and end, s.
+pub type Span = (usize, f64, f64);
+
 /// One entry of the vocabulary.
 pub struct Effect {
     /// Identifier of the specification.
@@ -204,7 +214,7 @@ pub struct Effect {
     /// It may stand in a hypothesis more than once.
     pub repeats: bool,
     /// Recording, start and end, s, of what happens once: nothing elsewhere can predict it. None for what holds always.
-    pub span: fn(&[f64]) -> Option<(usize, f64, f64)>,
+    pub span: fn(&[f64]) -> Option<Span>,
     /// It happens once.
     pub once: bool,
     /// The recording that the value at an index belongs to alone; none for what holds for all of them.
@@ -357,4 +367,3 @@ pub static VOCABULARY: [&Effect; 35] = [
 pub fn find(id: &str) -> Option<&'static Effect> {
     VOCABULARY.iter().find(|effect| effect.id == id).copied()
 }
-

@@ -17,10 +17,8 @@ pub static EFFECT: Effect = Effect {
         e.tones.iter().map(values).collect()
     },
     put: |p, v| {
-        p.tone = Some(Tone {
-            frequency_hz: v[0],
-            phasors: v[1..].chunks_exact(2).map(|pair| (pair[0], pair[1])).collect(),
-        })
+        p.tone =
+            Some(Tone { frequency_hz: v[0], phasors: v[1..].chunks_exact(2).map(|pair| (pair[0], pair[1])).collect() })
     },
     report: |v| {
         let power: f64 = v[1..].iter().map(|x| x * x).sum();

@@ -50,7 +50,9 @@ type Channel = (&'static str, Vec<Vec<f64>>);
 
 fn channels(problem: &Problem, path: &crate::hypothesis::Kept) -> Vec<Channel> {
     let of = |value: &dyn Fn(usize, usize) -> f64| -> Vec<Vec<f64>> {
-        (0..path.recordings.len()).map(|index| (0..problem.recordings[index].rows()).map(|row| value(index, row)).collect()).collect()
+        (0..path.recordings.len())
+            .map(|index| (0..problem.recordings[index].rows()).map(|row| value(index, row)).collect())
+            .collect()
     };
     // A command is made of the very sample that the innovation holds: only what was there before may predict.
     let commands = |index: usize, row: usize| problem.recordings[index].commands[row.saturating_sub(1)];
@@ -59,13 +61,26 @@ fn channels(problem: &Problem, path: &crate::hypothesis::Kept) -> Vec<Channel> {
         ("speed", of(&|index, row| innovations(index).speed[row.saturating_sub(1)])),
         ("position", of(&|index, row| innovations(index).position[row])),
         ("torque", of(&|index, row| commands(index, row).torque)),
-        ("torque_rate", of(&|index, row| commands(index, row).torque - commands(index, row.saturating_sub(RATE_ROWS)).torque)),
+        (
+            "torque_rate",
+            of(&|index, row| commands(index, row).torque - commands(index, row.saturating_sub(RATE_ROWS)).torque),
+        ),
         ("time", of(&|index, row| problem.recordings[index].t_s[row])),
-        ("own_past", of(&|index, row| (1..=8).map(|lag| if row >= lag { innovations(index).whitened[row - lag] } else { 0.0 }).sum())),
+        (
+            "own_past",
+            of(&|index, row| {
+                (1..=8).map(|lag| if row >= lag { innovations(index).whitened[row - lag] } else { 0.0 }).sum()
+            }),
+        ),
     ];
     if problem.excitation.field_peak > 0.0 {
         all.push(("field", of(&|index, row| commands(index, row).field_kv_mm)));
-        all.push(("field_rate", of(&|index, row| commands(index, row).field_kv_mm - commands(index, row.saturating_sub(RATE_ROWS)).field_kv_mm)));
+        all.push((
+            "field_rate",
+            of(&|index, row| {
+                commands(index, row).field_kv_mm - commands(index, row.saturating_sub(RATE_ROWS)).field_kv_mm
+            }),
+        ));
     }
     all
 }
@@ -100,9 +115,9 @@ fn predictor(
         }
     }
     let prediction = |fold: usize, cell: usize| {
-        let (sum, count) = (0..FOLDS).filter(|other| *other != fold).fold((0.0, 0.0), |(sum, count), other| {
-            (sum + sums[other][cell].0, count + sums[other][cell].1)
-        });
+        let (sum, count) = (0..FOLDS)
+            .filter(|other| *other != fold)
+            .fold((0.0, 0.0), |(sum, count), other| (sum + sums[other][cell].0, count + sums[other][cell].1));
         // Shrunk by one row of noise: an empty bin predicts nothing.
         sum / (count + 1.0)
     };

@@ -112,7 +112,11 @@ fn same_actuation(one: &Physics, other: &Physics) -> bool {
             (m.torque_delay_s, m.torque_lag_s, m.sensor.latency_s, p.skew_s, p.torque_filter_s),
         )
     };
-    drive(one) == drive(other) && one.model.er == other.model.er && one.pushes == other.pushes && one.tone == other.tone && other.model.validate().is_ok()
+    drive(one) == drive(other)
+        && one.model.er == other.model.er
+        && one.pushes == other.pushes
+        && one.tone == other.tone
+        && other.model.validate().is_ok()
 }
 
 /// Memory of the coloured torque noise, s. What is slower than a few of these is motion the model must explain.

@@ -6,10 +6,10 @@ mod refit;
 use crate::effects::Effect;
 use crate::physics::Physics;
 
-pub use evaluate::{Evaluation, evaluate, noise_of};
 pub(crate) use evaluate::{COLOUR_S, Kept, driven, kept};
-pub(crate) use refit::{columns, ranges};
+pub use evaluate::{Evaluation, evaluate, noise_of};
 pub use refit::{Refitted, refit};
+pub(crate) use refit::{columns, ranges};
 
 /// One effect with its values.
 #[derive(Debug, Clone, PartialEq)]

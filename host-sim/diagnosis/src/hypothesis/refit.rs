@@ -2,8 +2,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::evaluate::{Evaluation, Kept, evaluate, kept, noise_of};
 use super::Hypothesis;
+use super::evaluate::{Evaluation, Kept, evaluate, kept, noise_of};
 use crate::likelihood::Noise;
 use crate::likelihood::filter::HUBER;
 use crate::physics::Physics;

@@ -78,7 +78,9 @@ impl Acting {
                     acting.viscosity.push(drift * mean(pieces, |segment, at_s| segment.fluid.at(at_s)));
                 } else {
                     let field = |segment: &Segment, at_s: f64| segment.fluid.at(at_s);
-                    acting.level.push(drift * mean(pieces, |segment, at_s| (a * field(segment, at_s) + b) * field(segment, at_s)));
+                    acting.level.push(
+                        drift * mean(pieces, |segment, at_s| (a * field(segment, at_s) + b) * field(segment, at_s)),
+                    );
                 }
             });
         }
@@ -143,7 +145,11 @@ impl Reader<'_> {
                     // Before the first and behind the last segment their ends hold.
                     let to_s = if at + 1 == self.segments.len() { end_s } else { segment.end_s.min(end_s) };
                     if to_s > from_s {
-                        pieces.push((segment, (from_s - segment.start_s).max(0.0), (to_s - segment.start_s).max(dt_s * 1e-6)));
+                        pieces.push((
+                            segment,
+                            (from_s - segment.start_s).max(0.0),
+                            (to_s - segment.start_s).max(dt_s * 1e-6),
+                        ));
                     }
                     from_s = from_s.max(to_s);
                     at += 1;

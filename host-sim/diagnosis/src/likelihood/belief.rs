@@ -4,6 +4,9 @@
 //! of dry friction, torque of the fluid's spring. Torques are averages over the substep; position torques act in its middle
 //! (Verlet); linear drag is exact; dry friction is the proximal step of `gaussian`.
 
+// Matrices are read by their indices, as the equations have them.
+#![allow(clippy::needless_range_loop)]
+
 use plant::laws::{Friction, PositionTorque, ShaftLaw};
 use plant::{FluidResponse, Model};
 
@@ -79,9 +82,10 @@ impl Laws {
         let er = model.er.as_ref();
         let spring = er.and_then(|er| er.preyield_stiffness).map(|stiffness| (stiffness, place(1)));
         let viscous_limit = match er.map(|er| er.response) {
-            Some(FluidResponse::ViscosityDeadTime { torque_limit, .. } | FluidResponse::ViscosityLag { torque_limit, .. }) => {
-                torque_limit
-            }
+            Some(
+                FluidResponse::ViscosityDeadTime { torque_limit, .. }
+                | FluidResponse::ViscosityLag { torque_limit, .. },
+            ) => torque_limit,
             _ => f64::INFINITY,
         };
         Self {
@@ -241,7 +245,13 @@ impl Laws {
     }
 
     /// Widens a covariance over a substep along a linearised path.
-    pub(crate) fn widen<const N: usize>(&self, p: &mut [[f64; N]; N], linear: &Linear<N>, dt_s: f64, noise: &StepNoise) {
+    pub(crate) fn widen<const N: usize>(
+        &self,
+        p: &mut [[f64; N]; N],
+        linear: &Linear<N>,
+        dt_s: f64,
+        noise: &StepNoise,
+    ) {
         spread(p, &linear.jacobian);
         // Speed that a torque of one gives, where the rotor slides.
         let gain = linear.jacobian[SPEED][COLOURED];

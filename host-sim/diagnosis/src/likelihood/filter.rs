@@ -1,7 +1,9 @@
 //! One pass over a recording: innovations, their variances, and what a linearised pass needs.
 
-use std::ops::Range;
+// Matrices are read by their indices, as the equations have them.
+#![allow(clippy::needless_range_loop)]
 
+use std::ops::Range;
 
 use super::acting::{Acting, Grid};
 use super::belief::{BASE, COLOURED, Laws, Linear, POSITION, SPEED, Substep};
@@ -14,7 +16,7 @@ use crate::recorded::Recorded;
 pub(crate) const HUBER: f64 = 4.0;
 
 /// Largest number of states: the three of every machine, shaft, bristle, spring.
-const MOST_STATES: usize = BASE + 4;
+pub(super) const MOST_STATES: usize = BASE + 4;
 
 /// Minus twice the log-likelihood of a whitened innovation, but for its variance: squares, straight beyond the Huber limit.
 #[inline]
@@ -53,25 +55,25 @@ pub(crate) enum Path {
 
 /// A path with its number of states.
 pub(crate) struct Stored<const N: usize> {
-    steps: Vec<StoredStep<N>>,
-    rows: Vec<StoredRow<N>>,
+    pub(super) steps: Vec<StoredStep<N>>,
+    pub(super) rows: Vec<StoredRow<N>>,
 }
 
-struct StoredStep<const N: usize> {
-    from: [f64; N],
-    to: [f64; N],
-    linear: Linear<N>,
+pub(super) struct StoredStep<const N: usize> {
+    pub(super) from: [f64; N],
+    pub(super) to: [f64; N],
+    pub(super) linear: Linear<N>,
 }
 
-struct StoredRow<const N: usize> {
-    position: f64,
-    slope: f64,
-    per_sd: f64,
+pub(super) struct StoredRow<const N: usize> {
+    pub(super) position: f64,
+    pub(super) slope: f64,
+    pub(super) per_sd: f64,
     /// Kalman gain; zeros where the sample did not pull in proportion.
-    gain: [f64; N],
-    counted: bool,
+    pub(super) gain: [f64; N],
+    pub(super) counted: bool,
     /// Of the state behind the sample.
-    covariance: [[f64; N]; N],
+    pub(super) covariance: [[f64; N]; N],
 }
 
 /// One recording with what acts in it.
@@ -87,8 +89,8 @@ pub(crate) struct Driven<'a> {
 /// A model prepared for passes.
 #[derive(Debug, Clone)]
 pub(crate) struct Prepared {
-    laws: Laws,
-    eccentricity: Vec<plant::effects::Harmonic>,
+    pub(super) laws: Laws,
+    pub(super) eccentricity: Vec<plant::effects::Harmonic>,
     glitch: Option<(f64, f64)>,
 }
 
@@ -113,7 +115,7 @@ impl Prepared {
     }
 
     /// Measured position and its slope over the true one.
-    fn seen(&self, position: f64) -> (f64, f64) {
+    pub(super) fn seen(&self, position: f64) -> (f64, f64) {
         let (mut seen, mut slope) = (position, 1.0);
         for harmonic in &self.eccentricity {
             seen += harmonic.at(position);
@@ -216,7 +218,14 @@ impl Prepared {
             found.coloured.push(x[COLOURED]);
             if let Some(stored) = keep.as_deref_mut() {
                 let gain = if pull < 0.5 { [0.0; N] } else { gain };
-                stored.rows.push(StoredRow { position: found.position[row - range.start], slope, per_sd, gain, counted, covariance: p });
+                stored.rows.push(StoredRow {
+                    position: found.position[row - range.start],
+                    slope,
+                    per_sd,
+                    gain,
+                    counted,
+                    covariance: p,
+                });
             }
             if row + 1 == range.end {
                 break;
@@ -243,138 +252,6 @@ impl Prepared {
         }
         p[COLOURED][COLOURED] = noise.colour_sd * noise.colour_sd;
         (x, p)
-    }
-
-    /// What each row's whitened innovation would change if, along the path of `base`, the machine were this one: the linear
-    /// response to the difference of the two predictions in every substep.
-    pub(crate) fn response(&self, base: &Self, path: &Path, driven: Driven<'_>) -> Vec<f64> {
-        match path {
-            Path::Three(stored) => self.respond(base, stored, driven),
-            Path::Four(stored) => self.respond(base, stored, driven),
-            Path::Five(stored) => self.respond(base, stored, driven),
-            Path::Six(stored) => self.respond(base, stored, driven),
-            Path::Seven(stored) => self.respond(base, stored, driven),
-        }
-    }
-
-    fn respond<const N: usize>(&self, base: &Self, stored: &Stored<N>, driven: Driven<'_>) -> Vec<f64> {
-        if self.laws.states == base.laws.states {
-            self.linear_pass(base, stored, driven, |step, substep| {
-                self.laws.mean(&step.from, substep, step.linear.speed_sd, step.linear.twist_sd)
-            })
-        } else {
-            let mut inside = [0.0; MOST_STATES];
-            self.linear_pass(base, stored, driven, |step, substep| {
-                inside[..BASE].copy_from_slice(&step.from[..BASE]);
-                let next = self.laws.mean(&inside, substep, step.linear.speed_sd, 0.0);
-                self.laws.carry(&mut inside, &next, step.to[POSITION], step.to[SPEED]);
-                let mut moved = step.to;
-                moved[..BASE].copy_from_slice(&next[..BASE]);
-                moved
-            })
-        }
-    }
-
-    /// Windows of `horizon` rows, each simulated from the state that the pass estimated at its start; none across skipped rows.
-    pub(crate) fn windows(&self, path: &Path, driven: Driven<'_>, noise: &Noise, horizon: usize) -> Vec<Window> {
-        match path {
-            Path::Three(stored) => self.simulated(stored, driven, noise, horizon),
-            Path::Four(stored) => self.simulated(stored, driven, noise, horizon),
-            Path::Five(stored) => self.simulated(stored, driven, noise, horizon),
-            Path::Six(stored) => self.simulated(stored, driven, noise, horizon),
-            Path::Seven(stored) => self.simulated(stored, driven, noise, horizon),
-        }
-    }
-
-    fn simulated<const N: usize>(
-        &self,
-        stored: &Stored<N>,
-        driven: Driven<'_>,
-        noise: &Noise,
-        horizon: usize,
-    ) -> Vec<Window> {
-        let Driven { recorded, grid, acting, .. } = driven;
-        let mut windows = Vec::new();
-        let mut start = stored.rows.iter().position(|row| row.counted).unwrap_or(stored.rows.len());
-        while start + horizon < stored.rows.len() {
-            let end = start + horizon;
-            if stored.rows[start..=end].iter().all(|row| row.counted) {
-                let mut x = stored.steps[grid.first[start] as usize].from;
-                let mut p = stored.rows[start].covariance;
-                // A force that only the estimate of the noise knows is no part of the model.
-                x[COLOURED] = 0.0;
-                for i in 0..N {
-                    (p[COLOURED][i], p[i][COLOURED]) = (0.0, 0.0);
-                }
-                p[COLOURED][COLOURED] = noise.colour_sd * noise.colour_sd;
-                let mut window = Window { start, rows: horizon, squares: 0.0, expected: 0.0 };
-                for row in start..end {
-                    let step_noise = noise.over(grid.dt_s[row]);
-                    for index in grid.first[row] as usize..grid.first[row + 1] as usize {
-                        x = self.laws.mean(&x, &Substep::of(acting, index, grid.dt_s[row]), CERTAIN, CERTAIN);
-                        self.laws.widen(&mut p, &stored.steps[index].linear, grid.dt_s[row], &step_noise);
-                    }
-                    window.squares += (recorded.position[row + 1] - self.seen(x[POSITION]).0).powi(2);
-                    window.expected += p[POSITION][POSITION] + noise.sensor_sd * noise.sensor_sd;
-                }
-                windows.push(window);
-            }
-            start = end;
-        }
-        windows
-    }
-
-    /// Sensitivity of half the squared whitened innovations to a torque in each substep, with the sign of the torque that is
-    /// missing; the adjoint of the linearised pass.
-    pub(crate) fn missing_torque(&self, path: &Path, innovations: &Innovations, grid: &Grid) -> Vec<f64> {
-        match path {
-            Path::Three(stored) => adjoint(stored, innovations, grid),
-            Path::Four(stored) => adjoint(stored, innovations, grid),
-            Path::Five(stored) => adjoint(stored, innovations, grid),
-            Path::Six(stored) => adjoint(stored, innovations, grid),
-            Path::Seven(stored) => adjoint(stored, innovations, grid),
-        }
-    }
-
-    /// Sends the differences that `advance` shows through the filter's own linearisation.
-    fn linear_pass<const N: usize>(
-        &self,
-        base: &Self,
-        stored: &Stored<N>,
-        driven: Driven<'_>,
-        mut advance: impl FnMut(&StoredStep<N>, &Substep) -> [f64; N],
-    ) -> Vec<f64> {
-        let Driven { recorded, grid, acting, .. } = driven;
-        let mut ds = [0.0; N];
-        let mut column = Vec::with_capacity(recorded.rows());
-        let bent = self.eccentricity != base.eccentricity;
-        for (row, kept) in stored.rows.iter().enumerate() {
-            let mut seen = kept.slope * ds[POSITION];
-            if bent {
-                seen += self.seen(kept.position).0 - base.seen(kept.position).0;
-            }
-            column.push(if kept.counted { -seen * kept.per_sd } else { 0.0 });
-            for i in 0..N {
-                ds[i] -= kept.gain[i] * seen;
-            }
-            if row + 1 == stored.rows.len() {
-                break;
-            }
-            for index in grid.first[row] as usize..grid.first[row + 1] as usize {
-                let step = &stored.steps[index];
-                let next = advance(step, &Substep::of(acting, index, grid.dt_s[row]));
-                let mut moved = [0.0; N];
-                for i in 0..N {
-                    let mut sum = if i == COLOURED { 0.0 } else { next[i] - step.to[i] };
-                    for j in 0..N {
-                        sum += step.linear.jacobian[i][j] * ds[j];
-                    }
-                    moved[i] = sum;
-                }
-                ds = moved;
-            }
-        }
-        column
     }
 }
 
@@ -406,45 +283,6 @@ impl Lost {
     }
 }
 
-fn adjoint<const N: usize>(stored: &Stored<N>, innovations: &Innovations, grid: &Grid) -> Vec<f64> {
-    let mut missing = vec![0.0; stored.steps.len()];
-    let mut a = [0.0; N];
-    for (row, kept) in stored.rows.iter().enumerate().rev() {
-        if row + 1 < stored.rows.len() {
-            for index in (grid.first[row] as usize..grid.first[row + 1] as usize).rev() {
-                let f = &stored.steps[index].linear.jacobian;
-                // A torque acts as the coloured noise does.
-                missing[index] = (0..N).filter(|&i| i != COLOURED).map(|i| a[i] * f[i][COLOURED]).sum();
-                let mut before = [0.0; N];
-                for (j, before) in before.iter_mut().enumerate() {
-                    *before = (0..N).map(|i| a[i] * f[i][j]).sum();
-                }
-                a = before;
-            }
-        }
-        let pulled: f64 = (0..N).map(|i| a[i] * kept.gain[i]).sum();
-        let own = if kept.counted { innovations.whitened[row].clamp(-HUBER, HUBER) * kept.per_sd } else { 0.0 };
-        a[POSITION] += kept.slope * (own - pulled);
-    }
-    missing
-}
-
-/// One window.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Window {
-    /// First row.
-    pub(crate) start: usize,
-    /// Number of rows.
-    pub(crate) rows: usize,
-    /// Sum of squares of recorded minus simulated position, rad^2 (m^2).
-    pub(crate) squares: f64,
-    /// The same as the noise and the estimated start let expect.
-    pub(crate) expected: f64,
-}
-
-/// Standard deviation of a state that is simulated and not estimated: none, but for the closed forms' division.
-const CERTAIN: f64 = 1e-12;
-
 /// Where a recording begins.
 struct Start {
     position: f64,
@@ -468,7 +306,8 @@ impl Start {
         let squares: f64 = recorded.commands.iter().map(|command| command.torque * command.torque).sum();
         let torque_rms = (squares / recorded.rows().max(1) as f64).sqrt();
         let speed = if rows > 1 { travel / length_s } else { 0.0 };
-        let rough = recorded.position[first..first + rows].windows(2).map(|pair| (pair[1] - pair[0]).abs()).fold(0.0, f64::max);
+        let rough =
+            recorded.position[first..first + rows].windows(2).map(|pair| (pair[1] - pair[0]).abs()).fold(0.0, f64::max);
         Self {
             position: recorded.position[first],
             position_sd: rough,

@@ -62,7 +62,13 @@ mod tests {
         for step in 0..steps {
             let z = -9.0 + 18.0 * (f64::from(step) + 0.5) / f64::from(steps);
             let x = mean + sd * z;
-            let s = if x > up { x - up } else if x < -down { x + down } else { 0.0 };
+            let s = if x > up {
+                x - up
+            } else if x < -down {
+                x + down
+            } else {
+                0.0
+            };
             let weight = density(z) * 18.0 / f64::from(steps);
             first += weight * s;
             second += weight * s * s;
@@ -72,14 +78,17 @@ mod tests {
 
     #[test]
     fn moments_are_those_of_the_sum() {
-        for (mean, sd, up, down) in [(0.3, 1.0, 0.5, 0.2), (-2.0, 0.4, 1.0, 1.5), (0.0, 1.0, 0.0, 0.0), (0.1, 0.02, 0.1, 3.0)] {
+        for (mean, sd, up, down) in
+            [(0.3, 1.0, 0.5, 0.2), (-2.0, 0.4, 1.0, 1.5), (0.0, 1.0, 0.0, 0.0), (0.1, 0.02, 0.1, 3.0)]
+        {
             let found = soft_threshold(mean, sd, up, down);
             let (first, variance) = summed(mean, sd, up, down);
             assert!((found.mean - first).abs() < 1e-7 * sd, "{mean} {sd}: {} {first}", found.mean);
             let total = found.rest + found.slope * found.slope * sd * sd;
             assert!((total - variance).abs() < 1e-6 * sd * sd, "{mean} {sd}: {total} {variance}");
             let h = 1e-5 * sd;
-            let slope = (soft_threshold(mean + h, sd, up, down).mean - soft_threshold(mean - h, sd, up, down).mean) / (2.0 * h);
+            let slope =
+                (soft_threshold(mean + h, sd, up, down).mean - soft_threshold(mean - h, sd, up, down).mean) / (2.0 * h);
             assert!((found.slope - slope).abs() < 1e-6, "{} {slope}", found.slope);
         }
     }

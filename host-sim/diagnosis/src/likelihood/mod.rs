@@ -1,11 +1,13 @@
 //! The one judge of fit: how likely a recording is under a hypothesis.
 
 mod acting;
+mod along;
 mod belief;
 pub(crate) mod filter;
 mod gaussian;
 mod noise;
 
 pub use acting::{Acting, Grid};
+pub(crate) use along::Window;
 pub use filter::Innovations;
 pub use noise::Noise;

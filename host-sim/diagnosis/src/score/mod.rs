@@ -28,7 +28,12 @@ pub struct Candidate {
 }
 
 /// Scores every start of every effect beside `hypothesis`, along its own pass; best first.
-pub(crate) fn score(problem: &Problem, hypothesis: &Hypothesis, path: &Kept, vocabulary: &[&'static Effect]) -> Vec<Candidate> {
+pub(crate) fn score(
+    problem: &Problem,
+    hypothesis: &Hypothesis,
+    path: &Kept,
+    vocabulary: &[&'static Effect],
+) -> Vec<Candidate> {
     let own: Vec<Vec<Vec<f64>>> = columns(problem, hypothesis, path).into_iter().flatten().collect();
     let base = Base::new(path, own);
     let excitation = seek(problem, path);
@@ -45,7 +50,8 @@ pub(crate) fn score(problem: &Problem, hypothesis: &Hypothesis, path: &Kept, voc
         .filter_map(|(effect, values)| candidate(problem, hypothesis, path, &base, &excitation, effect, values))
         .collect();
     let of = |effect: &Effect| all.iter().filter(|candidate| candidate.entry.effect == effect).count().max(1) as f64;
-    let tries: Vec<f64> = all.iter().map(|one| (one.entry.effect.looked_at)(&excitation).max(of(one.entry.effect))).collect();
+    let tries: Vec<f64> =
+        all.iter().map(|one| (one.entry.effect.looked_at)(&excitation).max(of(one.entry.effect))).collect();
     for (candidate, tries) in all.iter_mut().zip(tries) {
         candidate.tries = tries;
         candidate.by_chance = (candidate.entry.effect.by_chance)(&excitation, &candidate.from);
@@ -67,14 +73,16 @@ struct Base {
 impl Base {
     fn new(path: &Kept, own: Vec<Vec<Vec<f64>>>) -> Self {
         let of = |take: &dyn Fn(f64, bool) -> f64| -> Vec<f64> {
-            let rows = path.recordings.iter().flat_map(|kept| kept.innovations.whitened.iter().zip(&kept.innovations.counted));
+            let rows =
+                path.recordings.iter().flat_map(|kept| kept.innovations.whitened.iter().zip(&kept.innovations.counted));
             rows.map(|(whitened, counted)| take(*whitened, *counted)).collect()
         };
         let residual = of(&|whitened, _| whitened);
         let weight = of(&|whitened, counted| if counted { (HUBER / whitened.abs()).min(1.0) } else { 0.0 });
         let own: Vec<Vec<f64>> = own.into_iter().map(|column| column.concat()).collect();
         let many = own.len();
-        let mut base = Self { residual, weight, own, information: DMatrix::zeros(many, many), gradient: DVector::zeros(many) };
+        let mut base =
+            Self { residual, weight, own, information: DMatrix::zeros(many, many), gradient: DVector::zeros(many) };
         for i in 0..many {
             base.gradient[i] = -base.dot(&base.own[i], &base.residual);
             for j in 0..=i {
@@ -141,7 +149,13 @@ fn candidate(
         let other = hypothesis.with(effect, values.clone());
         let found = evaluate(problem, &other.physics(&problem.nominal), &path.noise)?.fitted(problem);
         let from = values.clone();
-        return Some(Candidate { entry: Entry { effect, values }, from, gain: found - path.log_likelihood(), tries: 1.0, by_chance: 0.0 });
+        return Some(Candidate {
+            entry: Entry { effect, values },
+            from,
+            gain: found - path.log_likelihood(),
+            tries: 1.0,
+            by_chance: 0.0,
+        });
     }
     let response = |values: &[f64]| {
         let other = hypothesis.with(effect, values.to_vec()).physics(&problem.nominal);
@@ -152,7 +166,13 @@ fn candidate(
         Columns::Whole => {
             let (coefficients, gain) = base.regress(&[response(&values)?])?;
             // Towards less than nothing is no such effect; how far its step reaches only a refit can tell.
-            (coefficients[0] > 0.0).then(|| Candidate { from: values.clone(), entry: Entry { effect, values }, gain, tries: 1.0, by_chance: 0.0 })
+            (coefficients[0] > 0.0).then(|| Candidate {
+                from: values.clone(),
+                entry: Entry { effect, values },
+                gain,
+                tries: 1.0,
+                by_chance: 0.0,
+            })
         }
         Columns::Each => {
             let ranges = effect.ranges(values.len(), &problem.nominal, excitation);

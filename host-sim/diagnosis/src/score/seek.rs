@@ -82,9 +82,8 @@ fn orders(missing: &[Missing<'_>], excitation: &Excitation) -> Vec<f64> {
     if excitation.travel <= 0.0 {
         return Vec::new();
     }
-    // What the travel can tell apart; whole orders where it is a revolution or more.
-    let apart = (TAU / excitation.travel).max(if excitation.linear { 0.0 } else { 1.0 });
-    let apart = if excitation.linear { apart } else { apart.min(1.0).max(1.0) };
+    // Whole orders of a revolution; on a linear axis what the travel can tell apart.
+    let apart = if excitation.linear { TAU / excitation.travel } else { 1.0 };
     let list: Vec<f64> = (2..=HIGHEST_ORDER).map(|order| order as f64 * apart).collect();
     let power: Vec<f64> = list
         .iter()
@@ -110,7 +109,8 @@ fn peaks(power: &[f64], most: usize) -> Vec<usize> {
         .filter(|&i| power[i] > 0.0)
         .filter(|&i| (i == 0 || power[i] >= power[i - 1]) && (i + 1 == power.len() || power[i] >= power[i + 1]))
         .map(|i| {
-            let mut near: Vec<f64> = power[i.saturating_sub(NEIGHBOURS)..(i + NEIGHBOURS + 1).min(power.len())].to_vec();
+            let mut near: Vec<f64> =
+                power[i.saturating_sub(NEIGHBOURS)..(i + NEIGHBOURS + 1).min(power.len())].to_vec();
             let middle = near.len() / 2;
             let median = *near.select_nth_unstable_by(middle, f64::total_cmp).1;
             (power[i] / median.max(f64::MIN_POSITIVE), i)

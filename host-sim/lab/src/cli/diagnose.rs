@@ -143,10 +143,16 @@ impl Args {
 
     /// Whether an effect may be named.
     fn may_name(&self, id: &str) -> bool {
-        (self.only.is_empty() || self.only.iter().any(|only| only == id)) && !self.without.iter().any(|other| other == id)
+        (self.only.is_empty() || self.only.iter().any(|only| only == id))
+            && !self.without.iter().any(|other| other == id)
     }
 
-    fn diagnosed(&self, machine: &Machine, recordings: &[Recording], holdout: &[Recording]) -> Result<Diagnosis, Error> {
+    fn diagnosed(
+        &self,
+        machine: &Machine,
+        recordings: &[Recording],
+        holdout: &[Recording],
+    ) -> Result<Diagnosis, Error> {
         match self.judge {
             Judge::Likelihood => {
                 let all = diagnosis::effects::VOCABULARY.iter().copied();

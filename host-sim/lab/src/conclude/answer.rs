@@ -8,7 +8,8 @@ use diagnosis::windows::HORIZONS_S;
 
 use crate::read::{AxisKind, vocabulary};
 use crate::report::{
-    Answer, EffectAnswer, Evidence, FitAnswer, Interval, Location, PredictorAnswer, Rejected, RemainderAnswer, Units, Verdict,
+    Answer, EffectAnswer, Evidence, FitAnswer, Interval, Location, PredictorAnswer, Rejected, RemainderAnswer, Units,
+    Verdict,
 };
 
 /// The answer of a conclusion, without warnings.
@@ -19,12 +20,21 @@ pub(super) fn answer(problem: &Problem, conclusion: &Conclusion, axis: AxisKind)
         schema: 2,
         verdict: verdict(conclusion.verdict),
         effects: conclusion.effects.iter().map(|named| effect(problem, named, &fit, axis)).collect(),
-        locations: if missing { spans(problem, conclusion).iter().map(|span| location(problem, span, axis)).collect() } else { Vec::new() },
-        regions: if missing { regions(problem, conclusion).iter().map(|one| region(one, axis)).collect() } else { Vec::new() },
+        locations: if missing {
+            spans(problem, conclusion).iter().map(|span| location(problem, span, axis)).collect()
+        } else {
+            Vec::new()
+        },
+        regions: if missing {
+            regions(problem, conclusion).iter().map(|one| region(one, axis)).collect()
+        } else {
+            Vec::new()
+        },
         rejected: rejected(conclusion),
         remainder: conclusion.remainder.as_ref().map(|left| RemainderAnswer {
             effort_rms: left.torque_rms,
             unit: Units::of(axis).effort.to_owned(),
+            unnamed: left.unnamed.iter().map(|effect| effect.id.to_owned()).collect(),
             predictors: left
                 .predictors
                 .iter()
@@ -56,7 +66,8 @@ fn fit(problem: &Problem, conclusion: &Conclusion, axis: AxisKind) -> FitAnswer 
     let fitted = 0..problem.fitted;
     let held = problem.judged();
     // A floor above what the model leaves is none: the noise was estimated with it.
-    let floor = |recordings: std::ops::Range<usize>| best.expected_rms(recordings.clone(), 0).min(best.rms(recordings, 0));
+    let floor =
+        |recordings: std::ops::Range<usize>| best.expected_rms(recordings.clone(), 0).min(best.rms(recordings, 0));
     let (before, after, floor_held) = (nominal.rms(held.clone(), 0), best.rms(held.clone(), 0), floor(held.clone()));
     FitAnswer {
         before_rms: nominal.rms(fitted.clone(), 0),
@@ -146,12 +157,19 @@ fn channel(name: &str, axis: AxisKind) -> String {
 
 /// What was refitted beside the best hypothesis and not taken.
 fn rejected(conclusion: &Conclusion) -> Vec<Rejected> {
-    let one = |(effect, gain): &(&'static diagnosis::effects::Effect, f64)| Rejected {
-        id: effect.id.to_owned(),
+    let one = |one: &diagnosis::search::Rejected| Rejected {
+        id: one.effect.id.to_owned(),
         heldout_gain: 0.0,
-        why: format!("it would add {gain:.1} to the log-likelihood, which chance and its free values may"),
+        why: if one.certain {
+            format!(
+                "it would certainly add {:.1} to the log-likelihood, but too little to the motion to be named",
+                one.rise
+            )
+        } else {
+            format!("it would add {:.1} to the log-likelihood, which chance and its free values may", one.rise)
+        },
     };
-    conclusion.rejected.iter().filter(|(_, gain)| *gain > 0.0).map(one).collect()
+    conclusion.rejected.iter().filter(|one| one.rise > 0.0).map(one).collect()
 }
 
 /// What the user should know before believing the answer.
@@ -164,9 +182,11 @@ pub(super) fn warnings(conclusion: &Conclusion) -> Vec<String> {
         1e3 * noise.colour_s
     ));
     if conclusion.verdict == judged::Verdict::Ambiguous {
-        warnings.push("what the alternatives predict differs by less than these recordings' noise; another motion or a direct \
+        warnings.push(
+            "what the alternatives predict differs by less than these recordings' noise; another motion or a direct \
              measurement (weighing, a torque sensor) tells them apart"
-            .to_owned());
+                .to_owned(),
+        );
     }
     if conclusion.cut_short {
         warnings.push("the search ended at its budget of work: less was tried than would have been".to_owned());

@@ -40,7 +40,10 @@ pub fn diagnose(request: &Request<'_>) -> Result<Diagnosis, Error> {
     let files: Vec<&Recording> = request.recordings.iter().chain(request.holdout).collect();
     if let Some(short) = files.iter().find(|file| file.rows() < FEWEST_ROWS) {
         let rows = short.rows();
-        return Err(Error::Usage(format!("{}: {rows} rows are too few to diagnose; record at least {FEWEST_ROWS}", short.name)));
+        return Err(Error::Usage(format!(
+            "{}: {rows} rows are too few to diagnose; record at least {FEWEST_ROWS}",
+            short.name
+        )));
     }
     let mut notes: Vec<String> = files.iter().flat_map(|file| file.notes()).collect();
     let mut stages = Stages::begin();
@@ -50,8 +53,9 @@ pub fn diagnose(request: &Request<'_>) -> Result<Diagnosis, Error> {
     let machine = with_steps_of(request.machine, &files, &mut notes);
     let problem = problem(&machine, request, &files, &mut notes);
     stages.done("prepare");
-    let conclusion = concluded(&problem, request.vocabulary)
-        .ok_or_else(|| Error::Usage(format!("{}: the nominal machine cannot be followed along these recordings", names.join(", "))))?;
+    let conclusion = concluded(&problem, request.vocabulary).ok_or_else(|| {
+        Error::Usage(format!("{}: the nominal machine cannot be followed along these recordings", names.join(", ")))
+    })?;
     stages.done("search, refit and confidence set");
     let mut answer = answer::answer(&problem, &conclusion, machine.axis.kind);
     if let Some(effect) = controller {
@@ -104,4 +108,3 @@ fn improved(machine: &Machine, names: &[&str], answer: &Answer) -> Result<Physic
     }
     Physics::of(&with, names)
 }
-

@@ -76,6 +76,8 @@ pub struct RemainderAnswer {
     pub effort_rms: f64,
     /// Its unit.
     pub unit: String,
+    /// Effects that would certainly add to the likelihood, but too little to the motion to be named.
+    pub unnamed: Vec<String>,
     /// Channels that predict part of it on data they were not fitted to, best first.
     pub predictors: Vec<PredictorAnswer>,
 }

@@ -98,10 +98,21 @@ fn write_fit(text: &mut String, fit: &FitAnswer) -> std::fmt::Result {
 
 /// What is left, and what predicts it.
 fn write_remainder(text: &mut String, left: &RemainderAnswer) -> std::fmt::Result {
-    writeln!(text, "Left: {:.3} {} rms, some of which the values above may have absorbed.", left.effort_rms, left.unit)?;
+    writeln!(
+        text,
+        "Left: {:.3} {} rms, some of which the values above may have absorbed.",
+        left.effort_rms, left.unit
+    )?;
+    if !left.unnamed.is_empty() {
+        writeln!(text, "  traces of: {}", left.unnamed.join(", "))?;
+    }
     for one in &left.predictors {
         let (share, p) = (per_cent(one.share), one.p_value);
-        writeln!(text, "  {} predicts {share} % of its squares (p = {p:.1e}), {:.3} {} rms", one.channel, one.effort_rms, left.unit)?;
+        writeln!(
+            text,
+            "  {} predicts {share} % of its squares (p = {p:.1e}), {:.3} {} rms",
+            one.channel, one.effort_rms, left.unit
+        )?;
     }
     Ok(())
 }

@@ -111,7 +111,15 @@ fn nothing_is_found_in_a_clean_twin_and_what_its_model_lacks_is() {
     let request = Request { machine: &machine, recordings: &recordings, holdout: &[], vocabulary: &few };
     let (problem, outcome) = prepared(&recordings[0], &nominal());
     let noises = [estimate(&problem, &outcome.fit, &outcome.weights, 0, RESOLUTION)];
-    let found = falsely_found(&request, &nominal(), &recordings, &problem.motions, &noises, (&[], &std::sync::Arc::new(crate::budget::Budget::default()))).unwrap();
+    let found = falsely_found(
+        &request,
+        &nominal(),
+        &recordings,
+        &problem.motions,
+        &noises,
+        (&[], &std::sync::Arc::new(crate::budget::Budget::default())),
+    )
+    .unwrap();
     assert_eq!(found, Vec::<&str>::new());
     assert!(VOCABULARY.len() > few.len());
     // The same search on the same recording against a machine that lacks friction.

@@ -69,6 +69,7 @@ fn answer(verdict: Verdict) -> Answer {
             separates: vec![hostile.clone()],
             reference_csv: Some(hostile.clone()),
         }),
+        remainder: None,
         warnings: vec![hostile.clone()],
         residual_map: vec![ResidualMap {
             channel: hostile,

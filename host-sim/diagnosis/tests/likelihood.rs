@@ -1,0 +1,111 @@
+//! The likelihood and the judge on recordings of the plant, where the truth is known.
+#![allow(clippy::unwrap_used)]
+
+use diagnosis::effects::VOCABULARY;
+use diagnosis::hypothesis::{Hypothesis, evaluate, refit};
+use diagnosis::physics::Physics;
+use diagnosis::pipeline::diagnose;
+use diagnosis::problem::Problem;
+use diagnosis::recorded::Recorded;
+use diagnosis::search::{first_noise, nominal};
+use diagnosis::verdict::Verdict;
+use diagnosis::windows::WindowFit;
+use plant::sensor::{Sampler, SamplerConfig, TorqueNoise};
+use plant::{Command, Model, Plant, State};
+
+const PERIOD_S: f64 = 1e-3;
+const STEP_RAD: f64 = 1.28e-5;
+
+/// Open-loop torques that move either way, rest and reverse.
+fn torque(t_s: f64, phase: f64) -> f64 {
+    2.5 * (3.1 * t_s + phase).sin()
+        + 1.5 * (11.0 * t_s + 2.0 * phase).sin()
+        + if (t_s * 1.3) % 1.0 < 0.2 { 0.0 } else { 0.4 }
+}
+
+fn recording(model: &Model, seed: u64, noise_nm: f64, seconds: f64) -> Recorded {
+    let mut plant = Plant::new(model, State::default(), 0.0).unwrap();
+    let sampler = SamplerConfig { resolution: STEP_RAD, noise_sd: 0.3 * STEP_RAD, ..SamplerConfig::default() };
+    let mut sampler = Sampler::new(sampler, seed).unwrap();
+    let mut noise = TorqueNoise::new(noise_nm, seed).unwrap();
+    let rows = (seconds / PERIOD_S) as usize;
+    let (mut t_s, mut position, mut commands) = (Vec::new(), Vec::new(), Vec::new());
+    for row in 0..rows {
+        let at_s = row as f64 * PERIOD_S;
+        let command = Command::new(torque(at_s, seed as f64), 0.0);
+        t_s.push(at_s);
+        position.push(sampler.measure(plant.state().position));
+        commands.push(command);
+        plant.advance(&Command { external_torque: noise.draw(), ..command }, at_s + PERIOD_S).unwrap();
+    }
+    Recorded {
+        name: format!("{seed}"),
+        skipped: vec![false; rows],
+        after_gap: vec![false; rows],
+        t_s,
+        position,
+        commands,
+    }
+}
+
+fn machine() -> Model {
+    Model { coulomb: 0.5, torque_delay_s: 0.002, ..Model::new(0.05) }
+}
+
+fn problem(nominal: Model, actual: &Model, noise_nm: f64) -> Problem {
+    let recordings = (1..=3).map(|seed| recording(actual, seed, noise_nm, 4.0)).collect();
+    Problem::new(Physics::new(nominal), recordings, 2, STEP_RAD, false)
+}
+
+#[test]
+fn the_belief_follows_the_plant_within_a_tenth_of_a_sensor_step_for_50_ms() {
+    let quiet = problem(machine(), &machine(), 0.0);
+    let found = nominal(&quiet).unwrap();
+    let windows = WindowFit::new(&quiet, &found).unwrap();
+    // What the sensor's own rounding and noise leave of a window, and nothing above it.
+    let sensor = STEP_RAD * (1.0_f64 / 12.0 + 0.09).sqrt();
+    assert!(windows.rms(0..3, 0) < 1.1 * sensor, "{} {sensor}", windows.rms(0..3, 0));
+}
+
+#[test]
+fn a_clean_recording_misses_nothing() {
+    let found = diagnose(&problem(machine(), &machine(), 0.02), &VOCABULARY).unwrap();
+    assert_eq!(found.verdict, Verdict::None, "{:?}", found.effects);
+}
+
+#[test]
+fn what_is_missing_is_named_with_its_value() {
+    let actual = Model { viscous: 0.03, torque_offset: 0.05, ..machine() };
+    let found = diagnose(&problem(machine(), &actual, 0.02), &VOCABULARY).unwrap();
+    let mut ids: Vec<&str> = found.effects.iter().map(|effect| effect.effect.id).collect();
+    ids.sort_unstable();
+    assert_eq!(ids, ["torque_offset", "viscous_friction"], "{:?}", found.effects);
+    for (id, truth) in [("torque_offset", 0.05), ("viscous_friction", 0.03)] {
+        let value = found.effects.iter().find(|effect| effect.effect.id == id).unwrap().intervals[0];
+        // Four standard deviations: one seed is no coverage.
+        assert!((value.value - truth).abs() < 2.0 * (value.high - value.low), "{id} {value:?}");
+        assert!((value.high - value.low) < 0.2 * truth, "{id} {value:?}");
+    }
+}
+
+#[test]
+fn the_same_recordings_give_the_same_answer_on_one_thread_and_many() {
+    let problem = problem(machine(), &Model { viscous: 0.03, ..machine() }, 0.02);
+    let run = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| refit(&problem, &Hypothesis::default(), &first_noise(&problem), 3).unwrap())
+    };
+    let (one, many) = (run(1), run(4));
+    assert_eq!(one.noise, many.noise);
+    assert_eq!(one.evaluation.blocks, many.evaluation.blocks);
+}
+
+#[test]
+fn a_machine_that_is_wrong_is_less_likely() {
+    let problem = problem(machine(), &machine(), 0.02);
+    let noise = nominal(&problem).unwrap().noise;
+    let right = evaluate(&problem, &Physics::new(machine()), &noise).unwrap().fitted(&problem);
+    for wrong in [Model { coulomb: 0.55, ..machine() }, Model { inertia: 0.052, ..machine() }] {
+        assert!(evaluate(&problem, &Physics::new(wrong), &noise).unwrap().fitted(&problem) < right - 10.0);
+    }
+}
