@@ -59,6 +59,9 @@ pub struct Conclusion {
     pub rejected: Vec<Rejected>,
 }
 
+/// Correlation of two effects' values beyond which they only say what their difference is: a variance inflation factor of 50
+/// (ten is the usual warning, Belsley, Kuh and Welsch 1980).
+const MOST_COLLINEAR: f64 = 0.99;
 /// Most equivalents that are listed (diagnosis.md).
 const MOST_EQUIVALENTS: usize = 3;
 
@@ -118,6 +121,7 @@ fn named(problem: &Problem, found: &Found) -> Vec<Named> {
         let own = best.freedom();
         let same = |other: &Effect| problem.nominal.indistinct(entry.effect, other);
         let standing = match alike.iter().filter(|(_, _, other)| !same(other)).map(|(_, freedom, _)| *freedom).min() {
+            _ if best.collinear(at) > MOST_COLLINEAR => Standing::Contested,
             None => Standing::Certain,
             Some(fewest) if fewest > own => Standing::CertainBySimplicity,
             Some(_) => Standing::Contested,

@@ -33,6 +33,20 @@ impl Assessed {
         self.crossed.iter().flatten().sum()
     }
 
+    /// Largest correlation of a value of an entry with a value of another, 0 to 1.
+    pub fn collinear(&self, entry: usize) -> f64 {
+        let places = self.refitted.hypothesis.free();
+        let mut largest = 0.0_f64;
+        for (i, own) in places.iter().enumerate().filter(|(_, place)| place.0 == entry) {
+            for (j, _) in places.iter().enumerate().filter(|(_, place)| place.0 != own.0) {
+                let scale = (self.covariance[(i, i)] * self.covariance[(j, j)]).sqrt();
+                let correlation = (self.covariance[(i, j)] / scale).abs();
+                largest = if correlation.is_finite() { largest.max(correlation) } else { largest };
+            }
+        }
+        largest
+    }
+
     /// How many times more an entry's values scatter over blocks than independent rows would let them, at least 1.
     pub fn inflation(&self, entry: usize) -> f64 {
         let places = self.refitted.hypothesis.free();
