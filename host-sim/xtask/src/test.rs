@@ -26,8 +26,9 @@ pub fn all() -> Result<(), String> {
     })?;
     // Before the tests: those of the log read its strings.
     steps.step("firmware", || firmware::build().map(|image| image.print()))?;
-    // The laboratory and the analysis are slow without optimisation and take long to build; with it, all of their tests run.
-    steps.cargo("tests", &["test", "--workspace", "--exclude", "lab", "--exclude", "analysis"])?;
+    // Diagnosis, laboratory and analysis are slow without optimisation and take long to build; with it, all of their tests run.
+    let without = ["--exclude", "lab", "--exclude", "analysis", "--exclude", "diagnosis"];
+    steps.cargo("tests", &[&["test", "--workspace"], &without[..]].concat())?;
     steps.cargo("tests, release", &["test", "--workspace", "--release"])?;
     steps.step("firmware clippy", firmware::lint)?;
     let on_board = |arguments: &[&str]| cargo(&board, arguments);

@@ -5,8 +5,8 @@ use plant::{Command, FluidResponse, Model, Segment, Timeline};
 use crate::physics::Physics;
 use crate::recorded::Recorded;
 
-/// Substeps a row: with four the belief's own error is below a tenth of the sensor's step on a 2 kHz log (measured against
-/// the plant, `tests/likelihood.rs`).
+/// Substeps a row: with four, at 1 kHz, the belief's own error over 50 ms is a third of the servo's sensor step (measured
+/// against the plant, `tests/likelihood.rs`).
 const SUBSTEPS: usize = 4;
 /// No substep is longer than this, s: a tenth of the shortest time constant of a servo axis that a log of 50 ms can show ...
 const LONGEST_S: f64 = 1e-3;
