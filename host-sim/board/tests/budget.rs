@@ -44,6 +44,21 @@ fn measure_stacks(world: &mut World, end_ms: f64) -> [Arc<AtomicU64>; 2] {
     used
 }
 
+/// From the falling edge of SAMPLE to the change of the outputs that follows from it, shortest first; of every tick but those
+/// of the start.
+fn sample_to_output_ns(run: &common::Run) -> Vec<u64> {
+    let commands = &run.driver.commands;
+    let after = |sample: u64| {
+        let at = commands.partition_point(|command| command.at.0 <= sample);
+        commands.get(at).map(|command| command.at.0 - sample)
+    };
+    let mut delays: Vec<u64> = run.driver.samples.iter().skip(100).filter_map(|sample| after(sample.0)).collect();
+    // The last sample's outputs may come after the end.
+    delays.retain(|delay| *delay < 400_000);
+    delays.sort_unstable();
+    delays
+}
+
 /// The functions of an image: address to name, size, and code.
 struct Code {
     functions: BTreeMap<u64, (String, u64)>,
@@ -212,6 +227,11 @@ fn the_tick_keeps_its_budget_in_every_mode() {
         // Half of it is for what a path that this run does not take may add.
         assert!((64..=size / 2).contains(&used), "stack of {name}: {used} bytes");
     }
+    let delays_ns = sample_to_output_ns(&run);
+    let (least, most) = (delays_ns[0], delays_ns[delays_ns.len() - 1]);
+    println!("SAMPLE to the outputs: {least} to {most} ns, at one instruction a cycle");
+    // What the loop's delay may vary by, unseen: a fiftieth of the period.
+    assert!(most - least <= 10_000, "{least} to {most} ns");
     assert_eq!(recording.lost(), 0);
     assert!(worst <= MOST_INSTRUCTIONS, "worst tick {worst} instructions");
 }

@@ -6,13 +6,15 @@ mod common;
 use std::collections::BTreeSet;
 use std::f64::consts::TAU;
 
+use board::flash::{Array, Shared};
 use board::world::INTERLOCK;
 use common::{ENABLE, events, firmware, log, ms, run_alone, world};
 use er_servo::drivers::scaling::{FieldCode, TorqueCode};
+use er_servo::events::Event;
 use er_servo::experiment::{Experiment, Shape};
-use er_servo::link::{Answer, Command};
+use er_servo::link::{Answer, Command, Refusal};
 use er_servo::parameters::TABLE;
-use er_servo::{Config, Counts, Frame, Mode, Params, State, Supervisor, step};
+use er_servo::{Config, Counts, Faults, Frame, Mode, Params, State, Supervisor, step};
 use wire::log::recordings;
 
 /// 120 pole pairs of 12 bit.
@@ -183,4 +185,50 @@ fn every_shape_and_mode_is_that_of_the_host_to_the_bit_under_three_sets_of_param
         println!("{set:?}: {} ticks to the bit, modes {seen:?}, {stops} of a stop", recording.frames.len());
         assert!(seen[0] > 0 && seen[1] > 0 && (seen[2] > 0 || expected.near_rad == 0.0) && stops > 3);
     }
+}
+
+#[test]
+fn a_fault_is_in_flash_and_is_told_after_the_power_was_off() {
+    let firmware = firmware();
+    let mut world = world(&firmware, 140.0);
+    let flash = world.flash.clone();
+    world.link.at(ms(76.0), ENABLE);
+    world.drive_at(ms(90.0), INTERLOCK, false);
+    world.drive_at(ms(95.0), INTERLOCK, true);
+    world.link.at(ms(100.0), Command::ClearFault);
+    world.link.at(ms(135.0), Command::Event { back: 0 });
+    let first = event(&firmware.run(world).unwrap()).unwrap();
+    assert_eq!((first.number, first.faults()), (0, Faults::INTERLOCK_OPEN));
+    assert!((45..60).contains(&first.at_ms), "{} ms after the first tick", first.at_ms);
+
+    // The same flash in another run: the power was off.
+    let bytes = flash.lock().bytes.clone();
+    let mut world = common::world(&firmware, 90.0);
+    world.flash = Shared::new(Array::holding(bytes));
+    world.link.at(ms(80.0), Command::Event { back: 0 });
+    let run = firmware.run(world).unwrap();
+    assert_eq!(event(&run), Some(first));
+    assert_eq!(run.driver.flash.lock().refused, 0, "every store keeps the rules of the flash interface");
+}
+
+fn event(run: &common::Run) -> Option<Event> {
+    let answers = run.driver.link.replies.iter().rev().map(|(_, reply)| reply.answer);
+    answers.into_iter().find_map(|answer| if let Answer::Event(event) = answer { event } else { None })
+}
+
+#[test]
+fn clears_in_a_row_do_not_starve_the_watchdog() {
+    let firmware = firmware();
+    let mut world = world(&firmware, 500.0);
+    world.link.at(ms(76.0), ENABLE);
+    world.at(ms(90.0), |_, board, _, _| board.resolver().unwrap().chip.raise_faults(0x40));
+    // Each brings the chips up again, which takes 45 ms, in vain.
+    for nth in 0..5 {
+        world.link.at(ms(100.0 + 0.01 * f64::from(nth)), Command::ClearFault);
+    }
+    let run = firmware.run(world).unwrap();
+    assert!(run.session.resets().is_empty(), "{:?}", run.session.resets());
+    let answers =
+        run.driver.link.replies.iter().filter(|(_, reply)| reply.answer == Answer::Refused(Refusal::Hardware));
+    assert_eq!(answers.count(), 5, "{:?}", run.driver.link.replies);
 }
