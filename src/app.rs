@@ -7,6 +7,7 @@ use embedded_hal::spi::SpiDevice;
 use crate::drivers::ad2s1210::{self, Ad2s1210, SAMPLE_TO_READ_NS, Settings};
 use crate::drivers::dac::{self, Dac};
 use crate::drivers::scaling::{FieldCode, TorqueCode};
+use crate::guard::Guard;
 use crate::{
     Counts, Faults, Frame, InputFlags, Inputs, Mode, MonitorCode, Outputs, Params, Request, ResolverCode,
     ResolverSample, State, Supervisor, Timing, step,
@@ -16,6 +17,14 @@ use crate::{
 pub trait FieldMonitor {
     /// The last conversion; must not wait.
     fn read(&mut self) -> MonitorCode;
+}
+
+/// Short waits, and one that counts from an instant, so that work fits between.
+pub trait SampleDelay: DelayNs {
+    /// The instant: SAMPLE has just fallen.
+    fn mark(&mut self);
+    /// Waits until so many nanoseconds after it.
+    fn wait_since_mark(&mut self, wait_ns: u32);
 }
 
 /// Everything the drive is wired to. Input pins are fail-safe: a broken wire reads low, which is interlock open and stop
@@ -30,12 +39,16 @@ pub struct Wiring<ResolverSpi, ResolverPin, DacSpi, DacPin, Input, Output, Monit
     pub interlock_closed: Input,
     /// High: the emergency stop is released.
     pub stop_released: Input,
+    /// High: the motor's amplifier is ready and no temperature contact is open.
+    pub amplifier_ready: Input,
     /// High: the high-voltage supply may be on.
     pub hv_enable: Output,
     /// High: a fault is latched.
     pub fault_lamp: Output,
     /// High: the damper is used as a brake.
     pub brake_feedback: Output,
+    /// Changes its level at the end of every tick. A monostable outside takes torque and high voltage off without it.
+    pub heartbeat: Output,
     /// Field monitor.
     pub monitor: Monitor,
     /// Short waits.
@@ -53,6 +66,10 @@ pub struct Orders {
     pub reference_from_link: bool,
     /// The link has been heard of recently.
     pub link_alive: bool,
+    /// The reference is held at a soft limit.
+    pub reference_limited: bool,
+    /// Greatest torque of this command, whole N m; 0 for no bound but the parameter's.
+    pub torque_bound_nm: u8,
     /// Faults found outside the law: overrun, abnormal reset, refused parameters.
     pub reported: Faults,
     /// Frames the log lost so far.
@@ -81,6 +98,14 @@ pub struct Servo<W> {
     hardware_faults: Faults,
     /// The DAC's next frame is its answer.
     status_asked: bool,
+    guard: Guard,
+    /// What the law decided in the last tick.
+    last: Option<Outputs>,
+    /// No tick was made for a while before the next one.
+    paused: bool,
+    beat: bool,
+    /// SAMPLE has fallen for the next tick.
+    sampled: bool,
 }
 
 impl<RS, RP, DS, DP, I, O, M, D> Servo<Wiring<RS, RP, DS, DP, I, O, M, D>>
@@ -92,12 +117,24 @@ where
     I: InputPin,
     O: OutputPin,
     M: FieldMonitor,
-    D: DelayNs,
+    D: SampleDelay,
 {
     /// Takes wiring and parameters; touches nothing before [`Self::init`].
     pub fn new(wiring: Wiring<RS, RP, DS, DP, I, O, M, D>, params: Params) -> Self {
         let hardware_faults = Faults::RESOLVER_BUS | Faults::OUTPUT_BUS;
-        Self { wiring, params, state: State::default(), seq: 0, hardware_faults, status_asked: false }
+        Self {
+            wiring,
+            params,
+            state: State::default(),
+            seq: 0,
+            hardware_faults,
+            status_asked: false,
+            guard: Guard::default(),
+            last: None,
+            paused: false,
+            beat: false,
+            sampled: false,
+        }
     }
 
     /// Brings both chips up with their outputs at 0, in thread mode and with ticks stopped; takes about 45 ms. Called at
@@ -108,6 +145,7 @@ where
     pub fn init(&mut self) -> Result<(), InitError<RS::Error, DS::Error>> {
         self.hardware_faults = Faults::RESOLVER_BUS | Faults::OUTPUT_BUS;
         self.status_asked = false;
+        self.pause();
         let wiring = &mut self.wiring;
         wiring.dac.init(&mut wiring.delay).map_err(InitError::Dac)?;
         self.hardware_faults.remove(Faults::OUTPUT_BUS);
@@ -116,10 +154,22 @@ where
         Ok(())
     }
 
-    /// One tick, in the interrupt: read, one [`step()`], write. A command that cannot be written is a fault in this very
+    /// The position is what it is now: SAMPLE falls. What the tick needs besides may be worked out until [`Self::tick`], while
+    /// the converter takes its time.
+    pub fn sample(&mut self) {
+        // A pin that cannot be driven shows as a position that is not read, or stands still.
+        self.sampled = self.wiring.resolver.latch().is_ok();
+        self.wiring.delay.mark();
+    }
+
+    /// One tick, in the interrupt: [`Self::sample`] if that was not done, read, one [`step()`], write. A command that cannot be written is a fault in this very
     /// tick: outputs are cleared by pin and high voltage is disabled; the law latches it in the next.
     pub fn tick(&mut self, orders: &Orders) -> Frame {
-        let inputs = self.read(orders);
+        if !self.sampled {
+            self.sample();
+        }
+        let mut inputs = self.read(orders);
+        inputs.reported |= self.guard.check(&self.params, &inputs, self.last.as_ref());
         let outputs = step(&self.params, &mut self.state, &inputs);
         if self.write(&outputs).is_err() {
             self.hardware_faults |= Faults::OUTPUT_BUS;
@@ -127,7 +177,16 @@ where
         }
         let frame = Frame { seq: self.seq, lost: orders.lost, inputs, outputs, timing: Timing::default() };
         self.seq = self.seq.wrapping_add(1);
+        self.last = Some(outputs);
+        self.beat = !self.beat;
+        // Without the pulse the monostable takes the outputs off: a pin that fails is safe.
+        let _ = self.wiring.heartbeat.set_state(self.beat.into());
         frame
+    }
+
+    /// Notes that no tick is made for a while: where the axis goes meanwhile is not seen, so the position is lost.
+    pub fn pause(&mut self) {
+        self.paused = true;
     }
 
     /// Everything off by pins alone, for panics and hard faults; needs no bus and no sound memory beyond the pins.
@@ -144,12 +203,17 @@ where
     /// The state the drive is in.
     pub fn set_params(&mut self, params: Params) -> Result<(), Supervisor> {
         match self.state.supervisor() {
-            Supervisor::Running => Err(Supervisor::Running),
+            moving @ (Supervisor::Running | Supervisor::Stopping { .. }) => Err(moving),
             _ => {
                 self.params = params;
                 Ok(())
             }
         }
+    }
+
+    /// Parameters of the law.
+    pub fn params(&self) -> &Params {
+        &self.params
     }
 
     /// State of the law, for the snapshot a recording begins with.
@@ -158,22 +222,25 @@ where
     }
 
     fn read(&mut self, orders: &Orders) -> Inputs {
+        let sampled = core::mem::take(&mut self.sampled);
         let wiring = &mut self.wiring;
         let mut flags = InputFlags::empty();
-        let latched = wiring.resolver.latch();
-        wiring.delay.delay_ns(SAMPLE_TO_READ_NS);
         // A pin that cannot be read counts as open or pressed.
         flags.set(InputFlags::INTERLOCK_CLOSED, wiring.interlock_closed.is_high().unwrap_or(false));
         flags.set(InputFlags::STOP_PRESSED, !wiring.stop_released.is_high().unwrap_or(false));
         flags.set(InputFlags::LINK_ALIVE, orders.link_alive);
         flags.set(InputFlags::REFERENCE_FROM_LINK, orders.reference_from_link);
-        let resolver = match latched.and_then(|()| wiring.resolver.read()) {
-            Ok(reading) => ResolverSample {
+        flags.set(InputFlags::REFERENCE_LIMITED, orders.reference_limited);
+        flags.set(InputFlags::AMPLIFIER_READY, wiring.amplifier_ready.is_high().unwrap_or(false));
+        flags.set(InputFlags::PAUSED, core::mem::take(&mut self.paused));
+        wiring.delay.wait_since_mark(SAMPLE_TO_READ_NS);
+        let resolver = match wiring.resolver.read() {
+            Ok(reading) if sampled => ResolverSample {
                 code: ResolverCode(reading.counts),
                 fault_byte: reading.faults.bits(),
                 speed_rad_s: 0.0,
             },
-            Err(_) => {
+            _ => {
                 flags |= InputFlags::RESOLVER_UNREAD;
                 ResolverSample::default()
             }
@@ -183,6 +250,7 @@ where
             flags,
             reference: orders.reference,
             request: orders.request,
+            torque_bound_nm: orders.torque_bound_nm,
             field_monitor: wiring.monitor.read(),
             reported: orders.reported | self.hardware_faults,
         }

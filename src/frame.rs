@@ -16,12 +16,12 @@
 //! | 28..32 | field command, kV/mm, f32 |
 //! | 32..34 | field monitor code |
 //! | 34 | low nibble mode, high nibble state of the drive |
-//! | 35 | request |
-//! | 36..38 | faults reported to the law |
-//! | 38..40 | limits |
-//! | 40..42 | latched faults |
-//! | 42..45 | cycles of this tick, 24 bit, saturating |
-//! | 45..48 | most cycles of any tick so far, 24 bit, saturating |
+//! | 35 | low 3 bits request, high 5 bits torque bound of the command, N m |
+//! | 36..39 | faults reported to the law, 24 bit |
+//! | 39 | limits |
+//! | 40..43 | latched faults, 24 bit |
+//! | 43..46 | cycles of this tick, 24 bit, saturating |
+//! | 46..48 | most cycles of any tick so far, in units of 4, saturating |
 
 use crate::law::mode::Mode;
 use crate::law::supervisor::{Request, Supervisor};
@@ -32,7 +32,7 @@ use crate::{Faults, Limits};
 /// Length of an encoded [`Frame`].
 pub const FRAME_BYTES: usize = 48;
 /// Layout of the bytes; a decoder refuses any other.
-pub const FRAME_SCHEMA: u8 = 1;
+pub const FRAME_SCHEMA: u8 = 2;
 
 const CRC: crc::Crc<u8> = crc::Crc::<u8>::new(&crc::CRC_8_SMBUS);
 
@@ -41,11 +41,11 @@ const CRC: crc::Crc<u8> = crc::Crc::<u8>::new(&crc::CRC_8_SMBUS);
 pub struct Timing {
     /// This tick, CPU cycles.
     pub cycles: u32,
-    /// The most so far.
+    /// The most so far; a frame that was encoded has lost the lowest two bits.
     pub worst_cycles: u32,
 }
 
-/// One tick: what was read, what was decided. Boot's tick count is the one thing of the state it leaves out.
+/// One tick: what was read, what was decided. Of the state it leaves out the tick counts of boot and stop.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Frame {
     /// Number of the tick since reset.
@@ -105,12 +105,12 @@ impl Frame {
         bytes[28..32].copy_from_slice(&outputs.field_kv_mm.to_le_bytes());
         bytes[32..34].copy_from_slice(&inputs.field_monitor.0.to_le_bytes());
         bytes[34] = mode_code(outputs.mode) | drive << 4;
-        bytes[35] = request;
-        bytes[36..38].copy_from_slice(&inputs.reported.bits().to_le_bytes());
-        bytes[38..40].copy_from_slice(&outputs.limits.bits().to_le_bytes());
-        bytes[40..42].copy_from_slice(&outputs.supervisor.faults().bits().to_le_bytes());
-        bytes[42..45].copy_from_slice(&low24(self.timing.cycles));
-        bytes[45..48].copy_from_slice(&low24(self.timing.worst_cycles));
+        bytes[35] = request | (inputs.torque_bound_nm & 0x1f) << 3;
+        bytes[36..39].copy_from_slice(&low24(inputs.reported.bits()));
+        bytes[39] = outputs.limits.bits();
+        bytes[40..43].copy_from_slice(&low24(outputs.supervisor.faults().bits()));
+        bytes[43..46].copy_from_slice(&low24(self.timing.cycles));
+        bytes[46..48].copy_from_slice(&((self.timing.worst_cycles / 4).min(0xffff) as u16).to_le_bytes());
         bytes[1] = check(&bytes);
         bytes
     }
@@ -133,7 +133,7 @@ impl Frame {
             lost: half(bytes, 2),
             inputs: decode_inputs(bytes, &outputs)?,
             outputs,
-            timing: Timing { cycles: word24(bytes, 42), worst_cycles: word24(bytes, 45) },
+            timing: Timing { cycles: word24(bytes, 43), worst_cycles: 4 * u32::from(half(bytes, 46)) },
         })
     }
 }
@@ -147,15 +147,17 @@ fn decode_inputs(bytes: &[u8; FRAME_BYTES], outputs: &Outputs) -> Result<Inputs,
         },
         flags: InputFlags::from_bits(bytes[11]).ok_or(FrameError::Value(11))?,
         reference: Counts(word(bytes, 12) as i32),
-        request: match bytes[35] {
+        request: match bytes[35] & 0b111 {
             0 => Request::None,
             1 => Request::Enable,
             2 => Request::Disable,
             3 => Request::ClearFault,
+            4 => Request::SetPosition,
             _ => return Err(FrameError::Value(35)),
         },
+        torque_bound_nm: bytes[35] >> 3,
         field_monitor: MonitorCode(half(bytes, 32)),
-        reported: Faults::from_bits(half(bytes, 36)).ok_or(FrameError::Value(36))?,
+        reported: Faults::from_bits(word24(bytes, 36)).ok_or(FrameError::Value(36))?,
     })
 }
 
@@ -164,11 +166,13 @@ fn decode_outputs(bytes: &[u8; FRAME_BYTES]) -> Result<Outputs, FrameError> {
         let value = f32::from_bits(word(bytes, at));
         if value.is_finite() { Ok(value) } else { Err(FrameError::Value(at)) }
     };
+    let faults = Faults::from_bits(word24(bytes, 40)).ok_or(FrameError::Value(40))?;
     let supervisor = match bytes[34] >> 4 {
         0 => Supervisor::Boot { ticks: 0 },
         1 => Supervisor::Ready,
         2 => Supervisor::Running,
-        3 => Supervisor::Fault { faults: Faults::from_bits(half(bytes, 40)).ok_or(FrameError::Value(40))? },
+        3 => Supervisor::Fault { faults },
+        4 => Supervisor::Stopping { faults },
         _ => return Err(FrameError::Value(34)),
     };
     Ok(Outputs {
@@ -180,11 +184,11 @@ fn decode_outputs(bytes: &[u8; FRAME_BYTES]) -> Result<Outputs, FrameError> {
             2 => Mode::Brake,
             _ => return Err(FrameError::Value(34)),
         },
-        hv_enable: supervisor == Supervisor::Running,
+        hv_enable: matches!(supervisor, Supervisor::Running | Supervisor::Stopping { .. }),
         position: Counts(word(bytes, 16) as i32),
         speed_rad_s: finite(20)?,
         supervisor,
-        limits: Limits::from_bits(half(bytes, 38)).ok_or(FrameError::Value(38))?,
+        limits: Limits::from_bits(bytes[39]).ok_or(FrameError::Value(39))?,
     })
 }
 
@@ -202,6 +206,7 @@ fn drive_code(supervisor: Supervisor) -> u8 {
         Supervisor::Ready => 1,
         Supervisor::Running => 2,
         Supervisor::Fault { .. } => 3,
+        Supervisor::Stopping { .. } => 4,
     }
 }
 
@@ -211,6 +216,7 @@ fn request_code(request: Request) -> u8 {
         Request::Enable => 1,
         Request::Disable => 2,
         Request::ClearFault => 3,
+        Request::SetPosition => 4,
     }
 }
 

@@ -14,7 +14,7 @@ use plant::chips::hal::{ChipDelay, ChipPin, Socket, SpiPort};
 use plant::chips::{self, Chip};
 use plant::{Command, Model, Plant};
 
-use crate::app::{FieldMonitor, InitError, Orders, Servo, Wiring};
+use crate::app::{FieldMonitor, InitError, Orders, SampleDelay, Servo, Wiring};
 use crate::drivers::ad2s1210::{self, Ad2s1210};
 use crate::drivers::dac::{self, Dac};
 use crate::{Frame, Mode, MonitorCode, Params, Request, Supervisor};
@@ -61,6 +61,15 @@ impl OutputPin for Wire {
     }
 }
 
+impl SampleDelay for ChipDelay<chips::Ad2s1210> {
+    // Nothing but waits takes time here.
+    fn mark(&mut self) {}
+
+    fn wait_since_mark(&mut self, wait_ns: u32) {
+        embedded_hal::delay::DelayNs::delay_ns(self, wait_ns);
+    }
+}
+
 /// The field monitor, fed by the plant.
 #[derive(Debug, Clone, Default)]
 pub struct SimulatedMonitor(Rc<Cell<u16>>);
@@ -97,6 +106,10 @@ pub struct Bench {
     pub interlock_closed: Wire,
     /// The emergency stop; high is released.
     pub stop_released: Wire,
+    /// The amplifier's ready contact; high is ready.
+    pub amplifier_ready: Wire,
+    /// Changes with every tick.
+    pub heartbeat: Wire,
     /// The high-voltage supply's enable.
     pub hv_enable: Wire,
     /// The fault lamp.
@@ -124,16 +137,17 @@ impl Bench {
     pub fn new(model: &Model, params: Params, period_s: f64) -> Result<Self, BenchError> {
         let resolver = Socket::new(chips::Ad2s1210::new());
         let dac = Socket::new(chips::Dac::new(chips::dac::Part::Dual));
-        let [interlock_closed, stop_released, hv_enable, fault_lamp, brake_feedback] =
+        let [interlock_closed, stop_released, amplifier_ready, heartbeat, hv_enable, fault_lamp, brake_feedback] =
             core::array::from_fn(|_| Wire::default());
-        interlock_closed.set(true);
-        stop_released.set(true);
+        [&interlock_closed, &stop_released, &amplifier_ready].iter().for_each(|wire| wire.set(true));
         let monitor = SimulatedMonitor::default();
         let wiring = Wiring {
             resolver: Ad2s1210::new(resolver.spi(), resolver_pins(&resolver)),
             dac: Dac::new(dac.spi(), dac_pins(&dac), dac::Part::Dual),
             interlock_closed: interlock_closed.clone(),
             stop_released: stop_released.clone(),
+            amplifier_ready: amplifier_ready.clone(),
+            heartbeat: heartbeat.clone(),
             hv_enable: hv_enable.clone(),
             fault_lamp: fault_lamp.clone(),
             brake_feedback: brake_feedback.clone(),
@@ -146,6 +160,8 @@ impl Bench {
             dac,
             interlock_closed,
             stop_released,
+            amplifier_ready,
+            heartbeat,
             hv_enable,
             fault_lamp,
             brake_feedback,

@@ -26,21 +26,25 @@ extern crate std;
 pub mod app;
 mod config;
 pub mod drivers;
+pub mod events;
 pub mod experiment;
 mod fault;
 mod frame;
+pub mod guard;
 #[cfg(feature = "host-sim")]
 pub mod host_sim;
 mod law;
 pub mod link;
+pub mod margins;
 mod maths;
+pub mod motion;
 pub mod parameters;
 mod snapshot;
 mod step;
 pub mod storage;
 mod units;
 
-pub use config::{Config, ConfigError, Params};
+pub use config::{Config, ConfigError, IMAGE_PERIOD_S, Params};
 pub use fault::{Faults, Limits};
 pub use frame::{FRAME_BYTES, FRAME_SCHEMA, Frame, FrameError, Timing};
 pub use law::damper::{field_for_damping_kv_mm, viscosity_nm_s_rad};

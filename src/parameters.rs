@@ -77,6 +77,21 @@ pub static TABLE: &[Parameter] = &[
     number!(stale_time_s, "s", 0.001, 1.0),
     number!(field_trip_kv_mm, "kV/mm", 3.5, 4.0),
     number!(boot_time_s, "s", 0.02, 10.0),
+    number!(inertia_kg_m2, "kg m2", 1e-4, 100.0),
+    number!(motor_delay_s, "s", 0.0, 0.1),
+    number!(following_error_rad, "rad", 0.001, 100.0),
+    number!(following_time_s, "s", 0.01, 10.0),
+    number!(over_speed_rad_s, "rad/s", 0.1, 52.0),
+    number!(field_apart_kv_mm, "kV/mm", 0.2, 4.0),
+    number!(field_lag_s, "s", 0.0005, 0.1),
+    number!(position_min_rad, "rad", -crate::config::POSITION_RANGE_RAD, crate::config::POSITION_RANGE_RAD),
+    number!(position_max_rad, "rad", -crate::config::POSITION_RANGE_RAD, crate::config::POSITION_RANGE_RAD),
+    number!(speed_limit_rad_s, "rad/s", 0.01, 50.0),
+    number!(acceleration_limit_rad_s2, "rad/s2", 0.1, 400.0),
+    flag!(stop_on_disable),
+    flag!(stop_on_link_loss),
+    number!(stop_torque_nm, "N m", 0.0, crate::TORQUE_CEILING_NM),
+    number!(stop_time_s, "s", 0.01, 5.0),
 ];
 
 /// The parameter of that name.

@@ -5,7 +5,7 @@ use crate::units::{Counts, ResolverCode};
 use crate::{Faults, State, Supervisor};
 
 /// Length of an encoded [`State`].
-pub const STATE_BYTES: usize = 30;
+pub const STATE_BYTES: usize = 37;
 
 /// Why bytes are no [`State`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -40,6 +40,7 @@ impl State {
             Supervisor::Ready => (1, 0, Faults::empty()),
             Supervisor::Running => (2, 0, Faults::empty()),
             Supervisor::Fault { faults } => (3, 0, faults),
+            Supervisor::Stopping { faults } => (4, 0, faults),
         };
         let mut bytes = [0; STATE_BYTES];
         bytes[0] = tag;
@@ -51,7 +52,9 @@ impl State {
         bytes[16..20].copy_from_slice(&self.torque_nm.to_le_bytes());
         bytes[20..24].copy_from_slice(&self.still_ticks.to_le_bytes());
         bytes[24..28].copy_from_slice(&ticks.to_le_bytes());
-        bytes[28..30].copy_from_slice(&faults.bits().to_le_bytes());
+        bytes[28..32].copy_from_slice(&faults.bits().to_le_bytes());
+        bytes[32..36].copy_from_slice(&self.stop_ticks.to_le_bytes());
+        bytes[36] = u8::from(self.homed);
         bytes
     }
 
@@ -74,7 +77,8 @@ impl State {
             0 => Supervisor::Boot { ticks: word(24) },
             1 => Supervisor::Ready,
             2 => Supervisor::Running,
-            3 => Supervisor::Fault { faults: Faults::from_bits_truncate(half(28)) },
+            3 => Supervisor::Fault { faults: Faults::from_bits_truncate(word(28)) },
+            4 => Supervisor::Stopping { faults: Faults::from_bits_truncate(word(28)) },
             _ => return Err(SnapshotError::Tag(1)),
         };
         Ok(Self {
@@ -83,6 +87,8 @@ impl State {
             torque_nm: f32::from_bits(word(16)),
             still_ticks: word(20),
             supervisor,
+            stop_ticks: word(32),
+            homed: bytes[36] != 0,
         })
     }
 }
@@ -104,6 +110,13 @@ mod tests {
                 torque_nm: 7.0,
                 still_ticks: 3,
                 supervisor: Supervisor::Boot { ticks: 9 },
+                ..State::default()
+            },
+            State {
+                supervisor: Supervisor::Stopping { faults: Faults::LINK_LOST },
+                stop_ticks: 5,
+                homed: true,
+                ..State::default()
             },
         ];
         for state in states {

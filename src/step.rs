@@ -6,7 +6,7 @@ use crate::law::mode::{self, Mode};
 use crate::law::pd;
 use crate::law::resolver::Tracking;
 use crate::law::speed;
-use crate::law::supervisor::{Request, Supervisor};
+use crate::law::supervisor::{self, Request, Supervisor};
 use crate::units::{Counts, MonitorCode, ResolverCode};
 use crate::{Faults, Limits, Params};
 
@@ -24,6 +24,12 @@ bitflags! {
         const REFERENCE_FROM_LINK = 1 << 3;
         /// The resolver could not be read in this tick; its code means nothing.
         const RESOLVER_UNREAD = 1 << 4;
+        /// No tick was made for a while before this one: where the axis went meanwhile is not known.
+        const PAUSED = 1 << 5;
+        /// The motor's amplifier is ready, its temperature contact closed.
+        const AMPLIFIER_READY = 1 << 6;
+        /// The reference is held at a soft limit.
+        const REFERENCE_LIMITED = 1 << 7;
     }
 }
 
@@ -45,10 +51,12 @@ pub struct Inputs {
     pub resolver: ResolverSample,
     /// Pins and link.
     pub flags: InputFlags,
-    /// Reference position.
+    /// Reference position; with [`Request::SetPosition`] what the position is to be called.
     pub reference: Counts,
     /// What the user asks for.
     pub request: Request,
+    /// Greatest torque of this command, whole N m, 1 to 30; 0 for no bound but the parameter's.
+    pub torque_bound_nm: u8,
     /// The field that really acts.
     pub field_monitor: MonitorCode,
     /// Faults the application found outside the law: overrun, damaged parameters, DAC not written, abnormal reset.
@@ -63,6 +71,8 @@ pub struct State {
     pub(crate) torque_nm: f32,
     pub(crate) still_ticks: u32,
     pub(crate) supervisor: Supervisor,
+    pub(crate) stop_ticks: u32,
+    pub(crate) homed: bool,
 }
 
 impl State {
@@ -82,6 +92,11 @@ impl State {
     /// State of the drive.
     pub fn supervisor(&self) -> Supervisor {
         self.supervisor
+    }
+
+    /// Whether the position was set since it was last lost, so that it counts from the user's zero.
+    pub fn homed(&self) -> bool {
+        self.homed
     }
 
     /// Position, counts; 0 before the first reading.
@@ -114,42 +129,93 @@ pub struct Outputs {
 /// One tick of the control law.
 ///
 /// For any inputs, state and parameters whatever: returns, all values finite, torque within 30 N m, field within 0 to
-/// 3.5 kV/mm, and both 0 unless running. A fault acts in the tick it is seen.
+/// 3.5 kV/mm, and both 0 unless running or stopping. A fault acts in the tick it is seen.
 #[inline]
 pub fn step(params: &Params, state: &mut State, inputs: &Inputs) -> Outputs {
     let position_faults = track(params, state, inputs);
     let (speed_rad_s, speed_faults) = speed::select(params, state.speed_rad_s, inputs.resolver.speed_rad_s);
     let position = state.tracking.position();
-    let (error, error_limits) = pd::error_counts(inputs.reference, position);
-    let (torque_nm, torque_limits, torque_faults) = pd::torque_nm(params, error, speed_rad_s);
-    let mode = mode::choose(params, error, speed_rad_s);
-    let (field_kv_mm, field_limits, field_faults) = mode::field(params, mode, speed_rad_s);
+    let wanted = want(params, inputs, position, speed_rad_s);
 
-    let faults = external_faults(params, state, inputs) | position_faults | speed_faults | torque_faults | field_faults;
-    let (supervisor, refused) = state.supervisor.next(params, faults, inputs.flags, inputs.request);
+    let faults = external_faults(params, state, inputs) | position_faults | speed_faults | wanted.faults;
+    let at_rest = supervisor::is_rest(params, speed_rad_s) || state.stop_ticks >= params.stop.ticks;
+    let (supervisor, refused) = state.supervisor.next(params, faults, inputs.flags, inputs.request, at_rest);
     if matches!(supervisor, Supervisor::Fault { .. }) && faults.intersects(Faults::LOSES_POSITION) {
-        state.tracking = Tracking::Lost;
+        lose_position(state);
     }
     state.supervisor = supervisor;
-    let running = supervisor == Supervisor::Running;
-    state.torque_nm = if running { torque_nm } else { 0.0 };
-    let over_speed = mode == Mode::Off && params.er_enabled;
-    let decided =
-        error_limits | torque_limits | field_limits | if over_speed { Limits::OVER_OFF_SPEED } else { Limits::empty() };
+    let decided = match supervisor {
+        Supervisor::Running => Some(wanted),
+        Supervisor::Stopping { .. } => Some(want_rest(params, speed_rad_s)),
+        _ => None,
+    };
+    let stopping = matches!(supervisor, Supervisor::Stopping { .. });
+    state.stop_ticks = if stopping { state.stop_ticks.saturating_add(1) } else { 0 };
+    let hv_enable = decided.is_some();
+    let decided = decided.unwrap_or_default();
+    state.torque_nm = decided.torque_nm;
     Outputs {
-        torque_nm: state.torque_nm,
-        field_kv_mm: if running { field_kv_mm } else { 0.0 },
-        mode: if running { mode } else { Mode::Off },
-        hv_enable: running,
+        torque_nm: decided.torque_nm,
+        field_kv_mm: decided.field_kv_mm,
+        mode: decided.mode,
+        hv_enable,
         position,
         speed_rad_s,
         supervisor,
-        limits: refused | if running { decided } else { Limits::empty() },
+        limits: refused | decided.limits,
+    }
+}
+
+/// What is commanded if the supervisor lets it.
+#[derive(Debug, Clone, Copy, Default)]
+struct Wanted {
+    torque_nm: f32,
+    field_kv_mm: f32,
+    mode: Mode,
+    limits: Limits,
+    faults: Faults,
+}
+
+/// The law itself: follows the reference.
+fn want(params: &Params, inputs: &Inputs, position: Counts, speed_rad_s: f32) -> Wanted {
+    let bound_nm = if inputs.torque_bound_nm == 0 { f32::MAX } else { f32::from(inputs.torque_bound_nm) };
+    let (error, error_limits) = pd::error_counts(inputs.reference, position);
+    let (torque_nm, torque_limits, torque_faults) = pd::torque_nm(params, error, speed_rad_s, bound_nm);
+    let mode = mode::choose(params, error, speed_rad_s);
+    let (field_kv_mm, field_limits, field_faults) = mode::field(params, mode, speed_rad_s);
+    let over_speed = if mode == Mode::Off && params.er_enabled { Limits::OVER_OFF_SPEED } else { Limits::empty() };
+    let limits = error_limits | torque_limits | field_limits | over_speed;
+    Wanted { torque_nm, field_kv_mm, mode, limits, faults: torque_faults | field_faults }
+}
+
+/// A controlled stop: the damping of the law against the motion, bounded, and the field of the brake. A value that is no
+/// number is 0 here, and a fault of the law in the same tick.
+fn want_rest(params: &Params, speed_rad_s: f32) -> Wanted {
+    let (torque_nm, torque_limits, _) = pd::torque_nm(params, 0, speed_rad_s, params.stop.torque_nm);
+    let mode = if params.er_enabled { Mode::Brake } else { Mode::Off };
+    let (field_kv_mm, field_limits, _) = mode::field(params, mode, speed_rad_s);
+    Wanted { torque_nm, field_kv_mm, mode, limits: torque_limits | field_limits, faults: Faults::empty() }
+}
+
+fn lose_position(state: &mut State) {
+    state.tracking = Tracking::Lost;
+    state.homed = false;
+}
+
+/// Gives the position a new name where nothing moves on its own.
+fn set_position(state: &mut State, inputs: &Inputs) {
+    let may = matches!(state.supervisor, Supervisor::Ready);
+    if may && inputs.request == Request::SetPosition {
+        state.homed = state.tracking.rename(inputs.reference);
     }
 }
 
 /// Takes the resolver's reading into the state, and says what is wrong with it.
 fn track(params: &Params, state: &mut State, inputs: &Inputs) -> Faults {
+    if inputs.flags.contains(InputFlags::PAUSED) {
+        lose_position(state);
+        state.speed_rad_s = 0.0;
+    }
     if inputs.flags.contains(InputFlags::RESOLVER_UNREAD) {
         return Faults::RESOLVER_BUS;
     }
@@ -159,6 +225,7 @@ fn track(params: &Params, state: &mut State, inputs: &Inputs) -> Faults {
     let (tracking, mut faults) = state.tracking.read(params, inputs.resolver.code);
     state.tracking = tracking;
     let moved_counts = tracking.moved_counts();
+    set_position(state, inputs);
     state.speed_rad_s = speed::estimate_rad_s(params, state.speed_rad_s, moved_counts);
     if !state.speed_rad_s.is_finite() {
         state.speed_rad_s = 0.0;
@@ -177,7 +244,7 @@ fn track(params: &Params, state: &mut State, inputs: &Inputs) -> Faults {
 /// What is wrong outside the resolver.
 fn external_faults(params: &Params, state: &State, inputs: &Inputs) -> Faults {
     let mut faults = inputs.reported;
-    let running = state.supervisor == Supervisor::Running;
+    let running = matches!(state.supervisor, Supervisor::Running | Supervisor::Stopping { .. });
     let flags = inputs.flags;
     if running && !flags.contains(InputFlags::INTERLOCK_CLOSED) {
         faults |= Faults::INTERLOCK_OPEN;

@@ -39,9 +39,9 @@ const _: () = assert!(HEAD_BYTES + 4 * TABLE.len() <= RECORD_BYTES);
 pub enum StorageError {
     /// The flash could not be read, written or erased, or does not hold what was written.
     Flash,
-    /// Nothing is stored.
+    /// Nothing was ever stored: every byte is erased.
     Empty,
-    /// What is stored is of another version, or fails its checks.
+    /// What is stored is damaged, of another version, or not for this image.
     Unusable,
 }
 
@@ -77,7 +77,10 @@ pub async fn save<F: NorFlash>(
 ///
 /// See [`StorageError`].
 pub async fn load<F: NorFlash>(mut flash: F, range: core::ops::Range<u32>) -> Result<Config, StorageError> {
-    let newest = newest(&mut flash, &range).await?.ok_or(StorageError::Empty)?;
+    let Some(newest) = newest(&mut flash, &range).await? else {
+        let blank = is_erased(&mut flash, &range).await?;
+        return Err(if blank { StorageError::Empty } else { StorageError::Unusable });
+    };
     decode(&read(&mut flash, newest.at).await?)
 }
 
@@ -119,6 +122,15 @@ async fn newest<F: NorFlash>(flash: &mut F, range: &core::ops::Range<u32>) -> Re
         }
     }
     Ok(newest)
+}
+
+async fn is_erased<F: NorFlash>(flash: &mut F, range: &core::ops::Range<u32>) -> Result<bool, StorageError> {
+    for at in range.clone().step_by(RECORD_BYTES) {
+        if read(flash, at).await?.iter().any(|byte| *byte != ERASED) {
+            return Ok(false);
+        }
+    }
+    Ok(true)
 }
 
 async fn read<F: NorFlash>(flash: &mut F, at: u32) -> Result<Record, StorageError> {
@@ -166,7 +178,8 @@ fn decode(record: &Record) -> Result<Config, StorageError> {
     for (parameter, value) in TABLE.iter().take(count).zip(record[HEAD_BYTES..].as_chunks::<4>().0) {
         (parameter.set)(&mut config, f32::from_le_bytes(*value));
     }
-    Params::new(&config).map(|_| config).map_err(|_| StorageError::Unusable)
+    // Whoever forced it has seen the margins.
+    Params::for_image(&config, true).map(|_| config).map_err(|_| StorageError::Unusable)
 }
 
 #[cfg(test)]
@@ -253,7 +266,10 @@ mod tests {
     fn empty_flash_and_flash_full_of_garbage_give_no_set() {
         assert_eq!(block_on(load(flash(&mut vec![0xFF; 2 * PAGE], u32::MAX), RANGE)), Err(StorageError::Empty));
         let mut garbage: Vec<u8> = (0..2 * PAGE).map(|at| (at * 37 % 251) as u8).collect();
-        assert!(block_on(load(flash(&mut garbage, u32::MAX), RANGE)).is_err());
+        assert_eq!(block_on(load(flash(&mut garbage, u32::MAX), RANGE)), Err(StorageError::Unusable));
+        let mut one_bit = vec![0xFF; 2 * PAGE];
+        one_bit[700] = 0xFE;
+        assert_eq!(block_on(load(flash(&mut one_bit, u32::MAX), RANGE)), Err(StorageError::Unusable));
         // And a set can be saved over it.
         block_on(save(flash(&mut garbage, u32::MAX), RANGE, &set(300.0))).unwrap();
         assert_eq!(block_on(load(flash(&mut garbage, u32::MAX), RANGE)), Ok(set(300.0)));

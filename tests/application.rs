@@ -160,10 +160,11 @@ fn every_other_cause_is_safe_in_the_tick_it_shows() {
     let reported = Orders { reported: Faults::TICK_OVERRUN, ..step };
     let silent = Orders { reference_from_link: true, ..step };
     type Injection = fn(&mut Bench);
-    let cases: [(&str, Injection, Orders, Faults); 5] = [
+    let cases: [(&str, Injection, Orders, Faults); 6] = [
         ("interlock", |b| b.interlock_closed.set(false), step, Faults::INTERLOCK_OPEN),
         ("stop", |b| b.stop_released.set(false), step, Faults::STOP_PRESSED),
         ("field monitor", |b| b.stray_field_kv_mm = 3.9, step, Faults::FIELD_OVER),
+        ("amplifier", |b| b.amplifier_ready.set(false), step, Faults::AMPLIFIER),
         ("overrun", |_| (), reported, Faults::TICK_OVERRUN),
         ("link", |_| (), silent, Faults::LINK_LOST),
     ];
@@ -244,4 +245,119 @@ fn the_interlock_or_the_stop_refuses_an_enable() {
         assert_eq!(frame.outputs.supervisor, Supervisor::Ready);
         assert_eq!(frame.outputs.limits, er_servo::Limits::ENABLE_REFUSED);
     }
+}
+
+#[test]
+fn an_axis_that_does_not_follow_or_is_too_fast_is_stopped() {
+    // A quarter of the torque of friction alone: the reference goes, the axis does not.
+    let mut bench = running_with(&Config { torque_limit_nm: 0.2, ..Config::default() });
+    let frames = run(&mut bench, &to(0.6), 1100);
+    let tripped = frames.iter().position(|frame| frame.outputs.supervisor != Supervisor::Running).unwrap();
+    assert!((1000..1010).contains(&tripped), "0.5 s and a tick: {tripped}");
+    assert_safe(&bench, frames.last().unwrap(), Faults::FOLLOWING_ERROR, "does not follow");
+
+    let mut bench = running_with(&Config { over_speed_rad_s: 5.0, ..Config::default() });
+    let frames = run(&mut bench, &to(STEP_RAD), 200);
+    let seen = frames.iter().position(|frame| frame.outputs.speed_rad_s > 5.0).unwrap();
+    let frame = &frames[seen + 1];
+    assert_eq!(frame.outputs.supervisor, Supervisor::Fault { faults: Faults::OVER_SPEED });
+    assert_eq!((frame.outputs.torque_nm, frame.outputs.field_kv_mm), (0.0, 0.0));
+}
+
+#[test]
+fn high_voltage_that_stays_or_does_not_follow_its_command_is_found() {
+    // Still there after a disable.
+    let mut bench = running();
+    run(&mut bench, &to(0.0), 100);
+    bench.tick(&Orders { request: Request::Disable, ..to(0.0) }).unwrap();
+    bench.stray_field_kv_mm = 0.2;
+    let frames = run(&mut bench, &to(0.0), 220);
+    let tripped = frames.iter().position(|frame| frame.outputs.supervisor.name() == "fault").unwrap();
+    assert!((195..=205).contains(&tripped), "100 ms: {tripped}");
+    assert_eq!(frames[tripped].outputs.supervisor.faults(), Faults::HV_PRESENT);
+    // It comes without having been asked for, or does not come.
+    let mut bench = running();
+    run(&mut bench, &to(0.0), 100);
+    bench.stray_field_kv_mm = 1.0;
+    let frames = run(&mut bench, &to(0.0), 60);
+    let tripped = frames.iter().position(|frame| frame.outputs.supervisor.name() == "fault").unwrap();
+    assert!((40..=42).contains(&tripped), "20 ms: {tripped}");
+    assert_eq!(frames[tripped].outputs.supervisor.faults(), Faults::FIELD_APART);
+}
+
+#[test]
+fn a_disable_in_motion_brakes_to_rest_before_everything_goes_off() {
+    let stop = |config: &Config| {
+        let mut bench = running_with(config);
+        // Half-way through the step, at some 9 rad/s.
+        run(&mut bench, &to(STEP_RAD), 100);
+        let (speed_rad_s, from_rad) = (bench.truth().velocity, bench.truth().position);
+        let mut frames = vec![bench.tick(&Orders { request: Request::Disable, ..to(STEP_RAD) }).unwrap()];
+        frames.extend(run(&mut bench, &to(STEP_RAD), 1000));
+        assert_eq!(bench.acting(), (0.0, 0.0));
+        assert_eq!(frames.last().unwrap().outputs.supervisor, Supervisor::Ready);
+        (speed_rad_s, bench.truth().position - from_rad, frames)
+    };
+    let (speed_rad_s, controlled_rad, frames) = stop(&Config::default());
+    assert!(speed_rad_s > 5.0, "{speed_rad_s}");
+    assert_eq!(frames[0].outputs.supervisor, Supervisor::Stopping { faults: Faults::empty() });
+    assert!(frames.iter().all(|frame| frame.outputs.torque_nm.abs() <= 10.0), "the bound of a stop");
+    assert!(frames.iter().take(20).all(|frame| frame.outputs.field_kv_mm == 3.0));
+    let ticks = frames.iter().position(|frame| frame.outputs.supervisor == Supervisor::Ready).unwrap();
+    let (_, coasting_rad, frames) = stop(&Config { stop_on_disable: false, ..Config::default() });
+    assert_eq!(frames[0].outputs.supervisor, Supervisor::Ready);
+    println!(
+        "{speed_rad_s:.1} rad/s: {controlled_rad:.3} rad in {ticks} ticks, or {coasting_rad:.3} rad without a stop"
+    );
+    assert!(controlled_rad < 0.5 * coasting_rad, "{controlled_rad} {coasting_rad}");
+}
+
+#[test]
+fn a_lost_link_stops_as_the_parameters_say() {
+    let silent = Orders { reference_from_link: true, ..to(STEP_RAD) };
+    for (stop_on_link_loss, state) in [(false, "fault"), (true, "stopping")] {
+        let mut bench = running_with(&Config { stop_on_link_loss, ..Config::default() });
+        run(&mut bench, &to(STEP_RAD), 100);
+        let frame = bench.tick(&silent).unwrap();
+        assert_eq!(frame.outputs.supervisor.name(), state);
+        let frames = run(&mut bench, &silent, 1000);
+        assert_safe(&bench, frames.last().unwrap(), Faults::LINK_LOST, state);
+        // A fault that forbids torque ends the stop at once.
+        let mut bench = running_with(&Config { stop_on_link_loss, ..Config::default() });
+        run(&mut bench, &to(STEP_RAD), 100);
+        bench.tick(&silent).unwrap();
+        bench.stop_released.set(false);
+        bench.tick(&silent).unwrap();
+        assert_eq!(bench.acting(), (0.0, 0.0));
+    }
+}
+
+#[test]
+fn a_pause_loses_the_position_and_motion_meanwhile_is_not_taken_for_a_small_way() {
+    let mut bench = running();
+    run(&mut bench, &to(0.0), 100);
+    bench.tick(&Orders { request: Request::Disable, ..to(0.0) }).unwrap();
+    bench.tick(&Orders { request: Request::SetPosition, reference: Counts(1000), ..Orders::default() }).unwrap();
+    let state = *bench.servo.state();
+    assert!(state.homed() && state.position() == Counts(1000));
+    // While chips come up again the rotor is turned by one pole pair and 40 counts: 40 is all that can be seen of it.
+    bench.external_torque_nm = 8.0;
+    run(&mut bench, &Orders::default(), 60);
+    bench.init().unwrap();
+    let frame = bench.tick(&Orders::default()).unwrap();
+    assert!(!bench.servo.state().homed(), "the count of pole pairs is lost, and known to be");
+    assert!((0..4096).contains(&frame.outputs.position.0));
+    // The heartbeat goes on with every tick.
+    let levels: Vec<bool> =
+        (0..4).map(|_| (bench.tick(&Orders::default()).unwrap(), bench.heartbeat.level()).1).collect();
+    assert_eq!(levels[..2], levels[2..]);
+    assert_ne!(levels[0], levels[1]);
+}
+
+#[test]
+fn the_bound_of_a_command_holds_the_torque() {
+    let mut bench = running();
+    let frames = run(&mut bench, &Orders { torque_bound_nm: 2, ..to(STEP_RAD) }, 300);
+    assert!(frames.iter().all(|frame| frame.outputs.torque_nm.abs() <= 2.0));
+    assert!(frames.iter().any(|frame| frame.outputs.torque_nm == 2.0));
 }

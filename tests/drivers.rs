@@ -3,6 +3,7 @@
 
 use std::f64::consts::TAU;
 
+use embedded_hal::delay::DelayNs;
 use embedded_hal::spi::ErrorKind;
 use er_servo::drivers::ad2s1210::{self, Faults, Register, Settings};
 use er_servo::drivers::dac::{self, Part};
@@ -41,8 +42,9 @@ fn ready_resolver() -> (Socket<ResolverChip>, Resolver) {
     (socket, driver)
 }
 
-fn sample(driver: &mut Resolver) -> ad2s1210::Reading {
+fn sample(socket: &Socket<ResolverChip>, driver: &mut Resolver) -> ad2s1210::Reading {
     driver.latch().unwrap();
+    socket.delay().delay_ns(ad2s1210::SAMPLE_TO_READ_NS);
     driver.read().unwrap()
 }
 
@@ -72,7 +74,7 @@ fn every_count_of_a_pole_pair_is_read() {
         // Half a count in, so that rounding of the angle cannot move it over an edge.
         let angle_rad = (f64::from(count) + 0.5) * TAU / f64::from(COUNTS_PER_REV);
         socket.with(|chip| chip.set_motion(angle_rad, 0.0));
-        let reading = sample(&mut driver);
+        let reading = sample(&socket, &mut driver);
         assert_eq!(i32::from(reading.counts), count.rem_euclid(4096));
         assert_eq!(reading.faults, Faults::empty());
     }
@@ -85,7 +87,13 @@ fn the_position_is_that_of_the_latch_not_of_the_read() {
     socket.with(|chip| chip.set_motion(100.5 * one_count, 0.0));
     driver.latch().unwrap();
     socket.with(|chip| chip.set_motion(200.5 * one_count, 0.0));
+    socket.delay().delay_ns(ad2s1210::SAMPLE_TO_READ_NS);
     assert_eq!(driver.read().unwrap().counts, 100);
+    // Read too soon, it is still the one before.
+    driver.latch().unwrap();
+    socket.delay().delay_ns(700);
+    assert_eq!(driver.read().unwrap().counts, 100);
+    assert_eq!(sample(&socket, &mut driver).counts, 200);
 }
 
 #[test]
@@ -94,13 +102,13 @@ fn every_fault_bit_is_reported_says_a_sentence_and_clears_only_when_cleared() {
     for bit in 0..8 {
         let fault = Faults::from_bits_retain(1 << bit);
         socket.with(|chip| chip.raise_faults(fault.bits()));
-        assert_eq!(sample(&mut driver).faults, fault);
+        assert_eq!(sample(&socket, &mut driver).faults, fault);
         assert_eq!(fault.sentences().count(), 1);
         assert!(fault.sentences().all(|sentence| sentence.len() > 20));
         socket.with(|chip| chip.raise_faults(0));
-        assert_eq!(sample(&mut driver).faults, fault, "the register keeps what it saw");
+        assert_eq!(sample(&socket, &mut driver).faults, fault, "the register keeps what it saw");
         assert_eq!(driver.clear_faults(&mut socket.delay()).unwrap(), fault);
-        assert_eq!(sample(&mut driver).faults, Faults::empty());
+        assert_eq!(sample(&socket, &mut driver).faults, Faults::empty());
     }
 }
 
@@ -118,9 +126,9 @@ fn over_speed_is_flagged_beyond_the_tracking_rate() {
     let (socket, mut driver) = ready_resolver();
     // 1000 electrical rev/s are 52.36 rad/s.
     socket.with(|chip| chip.set_motion(0.1, 52.0));
-    assert_eq!(sample(&mut driver).faults, Faults::empty());
+    assert_eq!(sample(&socket, &mut driver).faults, Faults::empty());
     socket.with(|chip| chip.set_motion(0.1, 53.0));
-    assert_eq!(sample(&mut driver).faults, Faults::OVER_SPEED);
+    assert_eq!(sample(&socket, &mut driver).faults, Faults::OVER_SPEED);
 }
 
 #[test]
@@ -128,12 +136,12 @@ fn spoilt_register_is_a_parity_fault_and_a_parity_error() {
     let (socket, mut driver) = ready_resolver();
     assert_eq!(driver.read_register(Register::TrackingHigh), Ok(89));
     socket.with(|chip| chip.corrupt_register(0x8D, 0x01));
-    assert_eq!(sample(&mut driver).faults, Faults::CONFIG_PARITY);
+    assert_eq!(sample(&socket, &mut driver).faults, Faults::CONFIG_PARITY);
     assert_eq!(
         driver.read_register(Register::TrackingHigh),
         Err(ad2s1210::Error::Parity { register: Register::TrackingHigh })
     );
-    assert_eq!(sample(&mut driver).faults, Faults::CONFIG_PARITY, "back in position mode");
+    assert_eq!(sample(&socket, &mut driver).faults, Faults::CONFIG_PARITY, "back in position mode");
 }
 
 #[test]
@@ -157,7 +165,7 @@ fn spi_errors_are_values_and_sample_goes_back() {
     assert_eq!(driver.read(), Err(ad2s1210::Error::Bus(ErrorKind::Overrun)));
     socket.fail_spi(None);
     socket.with(|chip| chip.set_motion(0.01, 0.0));
-    assert_eq!(i64::from(sample(&mut driver).counts), socket.with(|chip| chip.true_counts()));
+    assert_eq!(i64::from(sample(&socket, &mut driver).counts), socket.with(|chip| chip.true_counts()));
 }
 
 #[test]
@@ -199,12 +207,12 @@ fn frozen_and_jumping_positions() {
         chip.freeze(true);
         chip.set_motion(at(20.0), 0.0);
     });
-    assert_eq!(sample(&mut driver).counts, 10);
+    assert_eq!(sample(&socket, &mut driver).counts, 10);
     socket.with(|chip| {
         chip.freeze(false);
         chip.jump(-100);
     });
-    assert_eq!(sample(&mut driver).counts, 4096 - 80);
+    assert_eq!(sample(&socket, &mut driver).counts, 4096 - 80);
 }
 
 #[test]

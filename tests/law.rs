@@ -21,13 +21,21 @@ prop_compose! {
 prop_compose! {
     fn any_inputs()(
         code: u16, fault_byte in prop_oneof![9 => Just(0_u8), 1 => any::<u8>()], speed_bits: u32, flags: u8,
-        reference: i32, request in 0..4_u8, monitor: u16, reported in prop_oneof![9 => Just(0_u16), 1 => any::<u16>()],
+        reference: i32, request in 0..5_u8, torque_bound_nm in 0..32_u8, monitor: u16,
+        reported in prop_oneof![9 => Just(0_u32), 1 => any::<u32>()],
     ) -> Inputs {
         Inputs {
             resolver: ResolverSample { code: ResolverCode(code), fault_byte, speed_rad_s: f32::from_bits(speed_bits) },
             flags: InputFlags::from_bits_truncate(flags),
             reference: Counts(reference),
-            request: [Request::None, Request::Enable, Request::Disable, Request::ClearFault][usize::from(request)],
+            request: [
+                Request::None,
+                Request::Enable,
+                Request::Disable,
+                Request::ClearFault,
+                Request::SetPosition,
+            ][usize::from(request)],
+            torque_bound_nm,
             field_monitor: MonitorCode(monitor),
             reported: Faults::from_bits_truncate(reported),
         }
@@ -38,7 +46,7 @@ fn assert_sound(outputs: &Outputs) {
     assert!(outputs.torque_nm.abs() <= 30.0, "{outputs:?}");
     assert!((0.0..=3.5).contains(&outputs.field_kv_mm), "{outputs:?}");
     assert!(outputs.speed_rad_s.is_finite(), "{outputs:?}");
-    if outputs.supervisor != Supervisor::Running {
+    if !matches!(outputs.supervisor, Supervisor::Running | Supervisor::Stopping { .. }) {
         assert_eq!((outputs.torque_nm, outputs.field_kv_mm, outputs.hv_enable), (0.0, 0.0, false));
     }
 }
@@ -50,7 +58,7 @@ proptest! {
     fn any_parameters_state_and_inputs_give_sound_outputs(
         config in any_config(),
         mut snapshot in proptest::collection::vec(any::<u8>(), STATE_BYTES),
-        tags in (0..3_u8, 0..4_u8),
+        tags in (0..3_u8, 0..5_u8),
         inputs in proptest::collection::vec(any_inputs(), 1..40),
     ) {
         let Ok(params) = Params::new(&config) else { return Ok(()) };

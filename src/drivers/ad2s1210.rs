@@ -19,14 +19,14 @@
 //! # Timing of a tick
 //!
 //! [`Ad2s1210::latch`] drops SAMPLE and [`Ad2s1210::read`] clocks out what was latched. Between the two the part needs
-//! 2 t_CK + 20 ns, 264 ns at 8.192 MHz (t16). Neither call waits: the caller puts work between them, as the image does
+//! 6 t_CK + 20 ns, 753 ns at 8.192 MHz: read sooner it gives what was latched before. Neither call waits: the caller puts work between them, as the image does
 //! with its pins and its ADC.
 //!
 //! # Sources
 //!
 //! Data sheet AD2S1210, held against the Linux driver `drivers/iio/resolver/ad2s1210.c`, which agrees in the addresses,
 //! the bits of the fault and the control register, 38 mV a count of the thresholds, the settling time of 20 ms at 12 bit
-//! after a reset, the fault register that must be read after it, parity in the top bit, and t16. The thresholds'
+//! after a reset, the fault register that must be read after it, and parity in the top bit. The thresholds'
 //! reset values are the data sheet's.
 
 mod faults;
@@ -38,8 +38,8 @@ use embedded_hal::digital::OutputPin;
 use embedded_hal::spi::{Operation, SpiDevice};
 pub use faults::Faults;
 
-/// SAMPLE low to the first clock of the read, ns: 2 t_CK + 20 ns at a CLKIN of 8.192 MHz (datasheet t16).
-pub const SAMPLE_TO_READ_NS: u32 = 265;
+/// SAMPLE low to the first clock of the read, ns: 6 t_CK + 20 ns at a CLKIN of 8.192 MHz (board.md).
+pub const SAMPLE_TO_READ_NS: u32 = 753;
 
 /// Width of the RESET pulse, us; the datasheet asks for 10.
 const RESET_PULSE_US: u32 = 20;

@@ -2,29 +2,33 @@
 //!
 //! | pin | signal | scaling, level |
 //! |---|---|---|
-//! | PA5, PA6, PA7, PA4 | SPI1 SCK, MISO, MOSI, select of the AD2S1210 (WR/FSYNC) | mode 1, 10.5 MHz |
+//! | PA5, PA6, PA7, PA4 | SPI1 SCK, MISO, MOSI, select of the AD2S1210 (WR/FSYNC) | mode 1, 21 MHz (25 at most) |
 //! | PB0, PB1, PB2, PB10 | SAMPLE, A0, A1, RESET of the AD2S1210 | pull-down on RESET |
 //! | PB13, PB14, PB15, PB12 | SPI2 SCK, MISO, MOSI, select of the AD5754R (SYNC) | mode 1, 21 MHz to write, 10.5 MHz to read |
 //! | PC6, PC7 | LDAC, CLR of the AD5754R | pull-down on CLR: outputs 0 V until the image runs |
 //! | PC0 | ADC1 channel 10, field monitor | 0..3.3 V is 0..4 kV/mm |
 //! | PC1 | high-voltage interlock | high: closed; internal pull-down |
 //! | PC2 | emergency stop | high: released; internal pull-down |
+//! | PC4 | motor amplifier ready, temperature contact | high: ready; internal pull-down |
+//! | PC5 | heartbeat | changes its level every tick; without an edge for 2 ms a monostable takes torque and high voltage off |
 //! | PC3 | brake feedback | high: the damper brakes |
 //! | PC8 | high-voltage enable | high: enabled; pull-down |
 //! | PC9 | fault lamp | high: a fault is latched |
 //! | PA2, PA3 | USART2 TX, RX, command link | 921600 baud, 8N1 |
 
+use cortex_m::peripheral::DWT;
 use cortex_m::singleton;
 use embedded_hal::delay::DelayNs;
 use embedded_hal::spi::MODE_1;
-use er_servo::app::{FieldMonitor, Servo, Wiring};
+use er_servo::app::{FieldMonitor, SampleDelay, Servo, Wiring};
 use er_servo::drivers::ad2s1210::{self, Ad2s1210};
 use er_servo::drivers::dac::{self, Dac, Part};
-use er_servo::link::{BAUD, Offset};
+use er_servo::link::{BAUD, Offset, ParameterSource};
+use er_servo::storage::StorageError;
 use er_servo::{Config, Faults, Frame, MonitorCode, Params};
 use heapless::spsc::{Consumer, Producer, Queue};
 use stm32f4xx_hal::adc::Adc;
-use stm32f4xx_hal::adc::config::{AdcConfig, SampleTime, Sequence};
+use stm32f4xx_hal::adc::config::{AdcConfig, Clock, SampleTime, Sequence};
 use stm32f4xx_hal::dma::traits::{PeriAddress, Stream};
 use stm32f4xx_hal::dma::{DmaChannel, DmaDataSize, DmaDirection, Stream5, StreamsTuple};
 use stm32f4xx_hal::flash::LockedFlash;
@@ -37,6 +41,7 @@ use stm32f4xx_hal::spi::Spi;
 use stm32f4xx_hal::timer::{CounterHz, Event};
 use stm32f4xx_hal::watchdog::IndependentWatchdog;
 
+use super::clock;
 use super::pin::{In, Out};
 use super::spi::{Device, FastWrites};
 use super::storage::Storage;
@@ -56,7 +61,8 @@ pub const QUEUE_OFFSETS: usize = 64;
 pub const WATCHDOG_MS: u32 = 100;
 /// Bytes of the link's ring.
 const RING_BYTES: usize = 1024;
-const CORE_HZ: u32 = 168_000_000;
+/// While clocks start and flash is searched; sectors full of something else than parameters take up to a second.
+const START_WATCHDOG_MS: u32 = 2000;
 
 /// What the application loop is wired to.
 pub type Hardware = Wiring<
@@ -96,6 +102,8 @@ pub struct Board {
     pub storage: Storage,
     /// Parameters of the law.
     pub config: Config,
+    /// Where they came from.
+    pub source: ParameterSource,
 }
 
 impl Board {
@@ -109,26 +117,26 @@ impl Board {
         let (offsets_in, offsets) = singleton!(: Queue<Offset, QUEUE_OFFSETS> = Queue::new())?.split();
 
         let reset_faults = reset_cause(&device.RCC);
-        let clocks = rcc::Config::hse(8.MHz()).sysclk(CORE_HZ.Hz()).pclk1(42.MHz()).pclk2(84.MHz());
-        let mut rcc = device.RCC.freeze(clocks);
-        // Stored parameters have been checked; where there are none, those the image was built with. Before the watchdog
-        // runs: to find that sectors full of something else hold no set takes up to a second, and must not restart it all.
-        let mut storage = Storage::new(LockedFlash::new(device.FLASH));
-        let config = storage.load().unwrap_or_default();
+        clock::go_on_when_halted(&device.DBGMCU);
         let mut watchdog = IndependentWatchdog::new(device.IWDG);
-        // A halted core is a debugger at work, and the log must be readable while the core sleeps.
-        watchdog.stop_on_debug(&device.DBGMCU, true);
-        device.DBGMCU.cr().modify(|_, w| w.dbg_sleep().set_bit());
-        watchdog.start(WATCHDOG_MS.millis());
+        // Before anything that could wait for ever: a crystal that does not start, for one.
+        watchdog.start(START_WATCHDOG_MS.millis());
         core.DCB.enable_trace();
         core.DWT.enable_cycle_counter();
+        let mut rcc = clock::start(device.RCC);
+        clock::start_microseconds(&device.TIM5);
+        let mut storage = Storage::new(LockedFlash::new(device.FLASH));
+        let (config, source) = stored(&mut storage);
+        watchdog.feed();
+        watchdog.start(WATCHDOG_MS.millis());
+        let damaged = if source == ParameterSource::Damaged { Faults::PARAMETERS } else { Faults::empty() };
 
         let (a, b, c) = (device.GPIOA.split(&mut rcc), device.GPIOB.split(&mut rcc), device.GPIOC.split(&mut rcc));
         // First of all the pins that keep the outputs safe.
         let hv_enable: Out<'C'> = c.pc8.into_push_pull_output().erase_number().into();
         let clear: Out<'C'> = c.pc7.into_push_pull_output().erase_number().into();
         let spi1_pins = (Some(a.pa5), Some(a.pa6), Some(a.pa7));
-        let spi1 = Spi::new(device.SPI1, spi1_pins, MODE_1, 10_500.kHz(), &mut rcc);
+        let spi1 = Spi::new(device.SPI1, spi1_pins, MODE_1, 21.MHz(), &mut rcc);
         let spi2_pins = (Some(b.pb13), Some(b.pb14), Some(b.pb15));
         let spi2 = Spi::new(device.SPI2, spi2_pins, MODE_1, 10_500.kHz(), &mut rcc);
         let select_resolver: Out<'A'> = a.pa4.into_push_pull_output().erase_number().into();
@@ -145,11 +153,13 @@ impl Board {
             dac: Dac::new(FastWrites::new(Device::new(spi2, select_dac)), dac_pins, Part::Quad),
             interlock_closed: c.pc1.into_pull_down_input().erase_number().into(),
             stop_released: c.pc2.into_pull_down_input().erase_number().into(),
+            amplifier_ready: c.pc4.into_pull_down_input().erase_number().into(),
+            heartbeat: c.pc5.into_push_pull_output().erase_number().into(),
             hv_enable,
             fault_lamp: c.pc9.into_push_pull_output().erase_number().into(),
             brake_feedback: c.pc3.into_push_pull_output().erase_number().into(),
             monitor: Monitor::new(device.ADC1, c.pc0.into_analog(), &mut rcc),
-            delay: CycleDelay,
+            delay: CycleDelay::default(),
         };
         let servo = Servo::new(wiring, Params::new(&config).ok()?);
         let mut timer = device.TIM2.counter_hz(&mut rcc);
@@ -166,12 +176,23 @@ impl Board {
             frames,
             offsets,
             offsets_in,
-            reset_faults,
+            reset_faults: reset_faults | damaged,
             ring,
             tx,
             storage,
             config,
+            source,
         })
+    }
+}
+
+/// The stored parameters; where none were ever stored, those the image was built with. A set that cannot be used is a fault,
+/// not a reason to run with others.
+fn stored(storage: &mut Storage) -> (Config, ParameterSource) {
+    match storage.load() {
+        Ok(config) => (config, ParameterSource::Flash),
+        Err(StorageError::Empty) => (Config::default(), ParameterSource::BuiltIn),
+        Err(StorageError::Flash | StorageError::Unusable) => (Config::default(), ParameterSource::Damaged),
     }
 }
 
@@ -233,7 +254,8 @@ pub struct Monitor {
 
 impl Monitor {
     fn new(adc: pac::ADC1, pin: stm32f4xx_hal::gpio::PC0<stm32f4xx_hal::gpio::Analog>, rcc: &mut rcc::Rcc) -> Self {
-        let mut adc = Adc::new(adc, true, AdcConfig::default(), rcc);
+        // 21 MHz: the converter takes 36 at most (data sheet table 74), and half its bus is 42.
+        let mut adc = Adc::new(adc, true, AdcConfig::default().clock(Clock::Pclk2_div_4), rcc);
         adc.configure_channel(&pin, Sequence::One, SampleTime::Cycles_84);
         adc.enable();
         adc.start_conversion();
@@ -244,18 +266,42 @@ impl Monitor {
 impl FieldMonitor for Monitor {
     fn read(&mut self) -> MonitorCode {
         let code = MonitorCode(self.adc.current_sample());
-        self.adc.start_conversion();
+        // Not the HAL's start, which waits until the converter says that it has begun, if need be for ever.
+        // SAFETY: the converter is this monitor's own.
+        #[allow(unsafe_code)]
+        let registers = unsafe { &*pac::ADC1::ptr() };
+        registers.cr2().modify(|_, w| w.swstart().set_bit());
         code
     }
 }
 
-/// Waits by counting instructions: start-up, and the few hundred nanoseconds of a tick that a chip asks for.
-pub struct CycleDelay;
+/// Waits by the core's cycle counter: start-up, and the few hundred nanoseconds of a tick that a chip asks for.
+#[derive(Debug, Default)]
+pub struct CycleDelay {
+    marked: u32,
+}
+
+fn cycles(wait_ns: u32) -> u32 {
+    // 168 cycles a microsecond; the division by 1000 as a shift, rounded up: 0.168 * 2^20.
+    ((u64::from(wait_ns) * 176_161) >> 20) as u32 + 1
+}
+
+fn wait_until(from: u32, cycles: u32) {
+    while DWT::cycle_count().wrapping_sub(from) < cycles {}
+}
 
 impl DelayNs for CycleDelay {
     fn delay_ns(&mut self, wait_ns: u32) {
-        // 168 cycles a microsecond; the division by 1000 as a shift, rounded up.
-        let cycles = (u64::from(wait_ns) * 172_033) >> 20;
-        cortex_m::asm::delay(cycles as u32 + 1);
+        wait_until(DWT::cycle_count(), cycles(wait_ns));
+    }
+}
+
+impl SampleDelay for CycleDelay {
+    fn mark(&mut self) {
+        self.marked = DWT::cycle_count();
+    }
+
+    fn wait_since_mark(&mut self, wait_ns: u32) {
+        wait_until(self.marked, cycles(wait_ns));
     }
 }

@@ -2,10 +2,12 @@
 //! they mean is the library's [`Server`], what they act on is here.
 
 use embedded_hal_nb::serial::Write;
+use er_servo::events::Event;
 use er_servo::experiment::Sequence;
-use er_servo::link::{Drive, Offset, PACKET_BYTES, Refusal, Reply, Server};
+use er_servo::link::{Drive, Offset, PACKET_BYTES, Pace, Refusal, Reply, Server};
+use er_servo::motion::MotionLimits;
 use er_servo::storage::StorageError;
-use er_servo::{Config, Counts, Frame, Params, Request, State, Supervisor};
+use er_servo::{Config, Counts, Faults, Frame, Params, Request, State, Supervisor};
 use heapless::Deque;
 use heapless::spsc::Producer;
 use stm32f4xx_hal::pac::USART2;
@@ -13,6 +15,7 @@ use stm32f4xx_hal::serial::Tx;
 use stm32f4xx_hal::watchdog::IndependentWatchdog;
 
 use super::board::{QUEUE_OFFSETS, Ring};
+use super::clock;
 use super::log::{self, Log};
 use super::storage::Storage;
 use super::tick;
@@ -31,31 +34,43 @@ pub struct Link {
     storage: Storage,
     last: Option<Frame>,
     ahead: Ahead,
+    /// The last packet took long: none is handled before a tick has come.
+    ticks_first: bool,
 }
 
 impl Link {
-    /// With the parameters the law was started with.
+    /// With a server that knows the parameters the law was started with.
     pub fn new(
         ring: Ring,
         tx: Tx<USART2>,
         storage: Storage,
-        config: Config,
+        server: Server,
         offsets: Producer<'static, Offset, QUEUE_OFFSETS>,
     ) -> Self {
-        let (out, server) = (Deque::new(), Server::new(config));
-        Self { ring, tx, out, server, storage, last: None, ahead: Ahead { sequence: None, offsets } }
+        let ahead = Ahead { sequence: None, offsets };
+        Self { ring, tx, out: Deque::new(), server, storage, last: None, ahead, ticks_first: false }
     }
 
-    /// Takes note of a tick, for the status.
+    /// Takes note of a tick, for the status, and of a fault, for the event log.
     pub fn frame(&mut self, frame: &Frame) {
+        let was_fault = self.last.is_some_and(|last| matches!(last.outputs.supervisor, Supervisor::Fault { .. }));
+        if let (Supervisor::Fault { faults }, false) = (frame.outputs.supervisor, was_fault) {
+            self.storage.log_event(&event(frame, faults));
+        }
         self.last = Some(*frame);
+        self.ticks_first = false;
     }
 
     /// Handles what came in since the last time, and sends on; never waits.
     pub fn poll(&mut self, log: &mut Log, watchdog: &mut IndependentWatchdog) {
-        for byte in self.ring.by_ref().take(POLL_BYTES) {
+        for _ in 0..POLL_BYTES {
+            // Two packets in a row that each pause the ticks for 45 ms would outlast the watchdog.
+            let Some(byte) = (if self.ticks_first { None } else { self.ring.next() }) else { break };
             let (storage, last, ahead) = (&mut self.storage, self.last.as_ref(), &mut self.ahead);
-            if let Some(reply) = self.server.push(byte, &mut Image { log, watchdog, storage, last, ahead }) {
+            let mut image = Image { log, watchdog, storage, last, ahead, paused: false };
+            let reply = self.server.push(byte, &mut image);
+            self.ticks_first = image.paused;
+            if let Some(reply) = reply {
                 answer(&mut self.out, &reply);
             }
         }
@@ -72,6 +87,19 @@ impl Link {
     /// Whether an answer is on its way.
     pub fn sending(&self) -> bool {
         !self.out.is_empty()
+    }
+}
+
+/// A fault, for the event log.
+fn event(frame: &Frame, faults: Faults) -> Event {
+    Event {
+        number: 0,
+        faults: faults.bits(),
+        at_ms: frame.seq / tick::TICKS_PER_MS,
+        position: frame.outputs.position.0,
+        speed_rad_s: frame.outputs.speed_rad_s,
+        worst_cycles: frame.timing.worst_cycles,
+        resolver_faults: frame.inputs.resolver.fault_byte,
     }
 }
 
@@ -113,6 +141,15 @@ struct Image<'a> {
     storage: &'a mut Storage,
     last: Option<&'a Frame>,
     ahead: &'a mut Ahead,
+    /// Ticks were paused.
+    paused: bool,
+}
+
+impl Image<'_> {
+    fn end_experiment(&mut self) {
+        self.ahead.sequence = None;
+        tick::with(tick::Tick::forget_offsets);
+    }
 }
 
 impl Drive for Image<'_> {
@@ -120,8 +157,8 @@ impl Drive for Image<'_> {
         log::build()
     }
 
-    fn tick(&self) -> u32 {
-        tick::with(|tick| tick.now().1).unwrap_or_default()
+    fn random(&mut self) -> u32 {
+        clock::random()
     }
 
     fn state(&self) -> State {
@@ -140,24 +177,41 @@ impl Drive for Image<'_> {
         tick::with(|tick| tick.commander.request(request));
     }
 
-    fn follow(&mut self, reference: Counts) {
-        self.hold();
-        tick::with(|tick| tick.commander.follow(reference));
+    fn link_alive(&self) -> bool {
+        tick::with(|tick| tick.commander.link_alive()).unwrap_or_default()
     }
 
-    fn hold(&mut self) {
-        self.ahead.sequence = None;
-        tick::with(tick::Tick::end_experiment);
+    fn enable(&mut self, autonomous: bool) {
+        tick::with(|tick| tick.commander.enable(autonomous));
     }
 
-    fn run(&mut self, sequence: Sequence) {
-        self.hold();
+    fn set_position(&mut self, position: Counts) {
+        tick::with(|tick| tick.commander.set_position(position));
+    }
+
+    fn target(&self) -> Counts {
+        tick::with(|tick| tick.commander.target()).unwrap_or_default()
+    }
+
+    fn follow(&mut self, target: Counts, pace: &Pace, torque_bound_nm: u8) {
+        self.end_experiment();
+        tick::with(|tick| tick.follow(target, pace, torque_bound_nm));
+    }
+
+    fn hold(&mut self, autonomous: bool) {
+        self.end_experiment();
+        tick::with(|tick| tick.commander.hold(autonomous));
+    }
+
+    fn run(&mut self, sequence: Sequence, torque_bound_nm: u8, autonomous: bool) {
+        self.end_experiment();
         self.ahead.sequence = Some(sequence);
         self.ahead.fill();
-        tick::with(|tick| tick.commander.experiment());
+        tick::with(|tick| tick.commander.experiment(autonomous, torque_bound_nm));
     }
 
     fn reinitialise(&mut self) -> Result<(), Refusal> {
+        self.paused = true;
         match tick::paused(|| tick::with(tick::Tick::init)) {
             Some(Err(error)) => {
                 log::init_failed(&error);
@@ -167,7 +221,15 @@ impl Drive for Image<'_> {
         }
     }
 
-    fn set_params(&mut self, params: Params) -> Result<(), Supervisor> {
+    fn motion(&self) -> MotionLimits {
+        // There is a tick before there is a link.
+        tick::with(|tick| tick.motion()).unwrap_or_default()
+    }
+
+    fn set_params(&mut self, params: Params, forced: bool) -> Result<(), Supervisor> {
+        if forced {
+            log::forced();
+        }
         tick::with(|tick| tick.set_params(params)).unwrap_or(Err(Supervisor::default()))
     }
 
@@ -176,7 +238,12 @@ impl Drive for Image<'_> {
     }
 
     fn save(&mut self, config: &Config) -> Result<(), StorageError> {
+        self.paused = true;
         self.storage.save(config, self.watchdog)
+    }
+
+    fn event(&mut self, back: u8) -> Option<Event> {
+        self.storage.event(back)
     }
 
     fn recording(&self) -> bool {

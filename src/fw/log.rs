@@ -4,6 +4,7 @@ use er_servo::app::InitError;
 use er_servo::drivers::{ad2s1210, dac};
 use er_servo::{Config, FRAME_SCHEMA, Faults, Frame, State, Supervisor, parameters};
 
+use super::safe::Why;
 use super::tick::HardwareError;
 
 /// Watches the frames for events, and records them.
@@ -36,8 +37,11 @@ impl Log {
     }
 
     /// The drive has come up.
-    pub fn booted(&mut self, reset_faults: Faults) {
+    pub fn booted(&mut self, reset_faults: Faults, before: Option<(u32, Why)>) {
         defmt::info!("er-servo {=str}, build {=[u8; 8]:02x}", env!("CARGO_PKG_VERSION"), build());
+        if let Some((ran_ms, why)) = before {
+            reset_note(ran_ms, why);
+        }
         for sentence in reset_faults.explain() {
             defmt::warn!("{=str}", sentence);
         }
@@ -100,6 +104,23 @@ impl Log {
         }
         (self.supervisor, self.resolver_faults, self.lost) = (now, resolver_faults, frame.lost);
     }
+}
+
+/// What happened before the reset.
+fn reset_note(ran_ms: u32, why: Why) {
+    defmt::info!("before this reset the drive ran for {=u32} ms", ran_ms);
+    match why {
+        Why::Unknown => {}
+        Why::Panic(file, line) => defmt::error!("it panicked at {=str}:{=u32}", file, line),
+        Why::HardFault(at, from) => defmt::error!("hard fault, pc {=u32:#010x}, lr {=u32:#010x}", at, from),
+        Why::ClockFailed => defmt::error!("the crystal failed: check it and its capacitors"),
+        Why::Interrupt(number) => defmt::error!("interrupt {=u32} has no handler", number),
+    }
+}
+
+/// Parameters act against the advice of the stability margins.
+pub fn forced() {
+    defmt::warn!("parameters forced: the loop may be unstable");
 }
 
 /// A chip did not come up; the drive ticks on and reports it. The strings stay on the host: formatting them here would

@@ -1,10 +1,11 @@
-//! The parameters' place in flash: sectors 1 and 2, 16 KiB each.
+//! The places of parameters (sectors 1 and 2) and of the event log (sector 3) in flash, 16 KiB each.
 
 use core::ops::Range;
 
 use embassy_futures::block_on;
 use embedded_storage_async::nor_flash::{ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash};
 use er_servo::Config;
+use er_servo::events::{Event, EventLog};
 use er_servo::storage::{self, StorageError};
 use stm32f4xx_hal::flash::{self, FlashExt, LockedFlash};
 use stm32f4xx_hal::pac;
@@ -16,26 +17,43 @@ use super::tick;
 
 /// Offsets from the start of flash; memory.x keeps the image out of it.
 const RANGE: Range<u32> = 0x4000..0xC000;
+const EVENTS: Range<u32> = 0xC000..0x1_0000;
 const SECTOR_BYTES: u32 = 0x4000;
 /// Erasing a 16 KiB sector byte by byte takes 400 ms, at most 800 (datasheet table 48), and the core stands still.
 const ERASE_WATCHDOG_MS: u32 = 2000;
 /// 1 ms of the core's clock; five cycles of a slow clock at its slowest, 17 kHz, are 0.3 ms.
 const WATCHDOG_CROSSING_CYCLES: u32 = 168_000;
 
-/// The parameters in flash.
+/// Parameters and events in flash.
 pub struct Storage {
     flash: LockedFlash,
+    /// None where the flash could not be read or erased.
+    events: Option<EventLog>,
 }
 
 impl Storage {
-    /// On the flash interface.
-    pub fn new(flash: LockedFlash) -> Self {
-        Self { flash }
+    /// On the flash interface. An event log that is nearly full is tidied, which takes up to a second.
+    pub fn new(mut flash: LockedFlash) -> Self {
+        let events = block_on(EventLog::open(&mut Sectors { flash: &mut flash, range: EVENTS }, EVENTS)).ok();
+        Self { flash, events }
+    }
+
+    /// Writes an event, only while the drive stands still: each byte holds the core up for 16 us. An event that cannot be
+    /// written is in the log over RTT all the same.
+    pub fn log_event(&mut self, event: &Event) {
+        let sectors = &mut Sectors { flash: &mut self.flash, range: EVENTS };
+        let _ = self.events.as_mut().map(|events| block_on(events.append(sectors, event)));
+    }
+
+    /// The newest event but `back`.
+    pub fn event(&mut self, back: u8) -> Option<Event> {
+        let sectors = &mut Sectors { flash: &mut self.flash, range: EVENTS };
+        self.events.as_ref().and_then(|events| block_on(events.newest(sectors, back)).ok()?)
     }
 
     /// The stored set.
     pub fn load(&mut self) -> Result<Config, StorageError> {
-        block_on(storage::load(Parameters { flash: &mut self.flash }, RANGE))
+        block_on(storage::load(Sectors { flash: &mut self.flash, range: RANGE }, RANGE))
     }
 
     /// Stores the set, with ticks paused and the watchdog patient.
@@ -46,7 +64,7 @@ impl Storage {
             // 21.4.4), and the HAL reloads before that, with the old one.
             cortex_m::asm::delay(WATCHDOG_CROSSING_CYCLES);
             watchdog.feed();
-            let saved = block_on(storage::save(Parameters { flash: &mut self.flash }, RANGE, config));
+            let saved = block_on(storage::save(Sectors { flash: &mut self.flash, range: RANGE }, RANGE, config));
             watchdog.start(WATCHDOG_MS.millis());
             saved
         })
@@ -65,12 +83,13 @@ fn forget_cached_data() {
     registers.acr().modify(|_, w| w.dcen().set_bit());
 }
 
-/// The two sectors, for the storage crate.
-struct Parameters<'a> {
+/// Some sectors, for the library.
+struct Sectors<'a> {
     flash: &'a mut LockedFlash,
+    range: Range<u32>,
 }
 
-/// The flash interface reported an error, or the place is not that of the parameters.
+/// The flash interface reported an error, or the place is not one of those sectors.
 #[derive(Debug)]
 struct Failed;
 
@@ -86,11 +105,11 @@ impl From<flash::Error> for Failed {
     }
 }
 
-impl ErrorType for Parameters<'_> {
+impl ErrorType for Sectors<'_> {
     type Error = Failed;
 }
 
-impl ReadNorFlash for Parameters<'_> {
+impl ReadNorFlash for Sectors<'_> {
     const READ_SIZE: usize = 1;
 
     async fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), Failed> {
@@ -100,17 +119,17 @@ impl ReadNorFlash for Parameters<'_> {
     }
 
     fn capacity(&self) -> usize {
-        RANGE.end as usize
+        self.range.end as usize
     }
 }
 
-impl NorFlash for Parameters<'_> {
+impl NorFlash for Sectors<'_> {
     const WRITE_SIZE: usize = 4;
     const ERASE_SIZE: usize = SECTOR_BYTES as usize;
 
     async fn erase(&mut self, from: u32, to: u32) -> Result<(), Failed> {
         let sectors = from / SECTOR_BYTES..to / SECTOR_BYTES;
-        if !RANGE.contains(&from) || to > RANGE.end {
+        if !self.range.contains(&from) || to > self.range.end {
             return Err(Failed);
         }
         let mut unlocked = self.flash.unlocked();
@@ -121,7 +140,7 @@ impl NorFlash for Parameters<'_> {
     }
 
     async fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), Failed> {
-        if !RANGE.contains(&offset) {
+        if !self.range.contains(&offset) {
             return Err(Failed);
         }
         self.flash.unlocked().program(offset as usize, bytes.iter())?;

@@ -5,8 +5,9 @@ use core::cell::RefCell;
 use cortex_m::interrupt::Mutex;
 use cortex_m::peripheral::{DWT, NVIC};
 use er_servo::app::{InitError, Orders, Servo};
-use er_servo::link::{Commander, Offset, SILENCE_S};
-use er_servo::{Faults, Frame, Params, State, Supervisor, Timing};
+use er_servo::link::{Commander, Offset, Pace, SILENCE_S};
+use er_servo::motion::MotionLimits;
+use er_servo::{Counts, Faults, Frame, Params, State, Supervisor, Timing};
 use heapless::spsc::{Consumer, Producer};
 use stm32f4xx_hal::pac::{self, interrupt};
 use stm32f4xx_hal::prelude::*;
@@ -14,13 +15,14 @@ use stm32f4xx_hal::spi;
 use stm32f4xx_hal::timer::{CounterHz, Flag};
 
 use super::board::{Hardware, QUEUE_FRAMES, QUEUE_OFFSETS};
+use super::{clock, safe};
 
 /// Ticks a second.
 const TICK_HZ: u32 = 2000;
-/// Core cycles from one tick to the next.
-const TICK_CYCLES: u32 = 168_000_000 / TICK_HZ;
-/// A tick that begins later than this after the one before is an overrun.
-const LATE_CYCLES: u32 = TICK_CYCLES + TICK_CYCLES / 4;
+/// The same in a millisecond.
+pub const TICKS_PER_MS: u32 = TICK_HZ / 1000;
+/// A tick that begins later than this after the one before is an overrun: a quarter of a period.
+const LATE_US: u32 = 1_000_000 / TICK_HZ * 5 / 4;
 /// The link is silent after so many ticks.
 const SILENT_TICKS: u32 = (SILENCE_S * TICK_HZ as f32) as u32;
 
@@ -37,7 +39,8 @@ pub struct Tick {
     pub commander: Commander,
     /// Number of the next tick.
     next_seq: u32,
-    /// Cycle counter at the begin of the last tick; `None` before the first one and after a pause.
+    /// Microseconds at the begin of the last tick; `None` before the first one and after a pause. Not of the cycle counter,
+    /// which stands still while a debugger halts the core.
     began: Option<u32>,
     worst_cycles: u32,
 }
@@ -81,6 +84,7 @@ pub fn paused<T>(act: impl FnOnce() -> T) -> T {
     let result = act();
     with(|tick| {
         tick.began = None;
+        tick.servo.pause();
         tick.timer.clear_flags(Flag::Update);
     });
     NVIC::unpend(pac::Interrupt::TIM2);
@@ -97,9 +101,18 @@ fn unmask() {
 }
 
 impl Tick {
-    /// Forgets the offsets of an experiment before; the reference stays.
-    pub fn end_experiment(&mut self) {
-        self.commander.hold();
+    /// Sends the reference there.
+    pub fn follow(&mut self, target: Counts, pace: &Pace, torque_bound_nm: u8) {
+        self.commander.follow(target, self.servo.params().motion(), pace, torque_bound_nm);
+    }
+
+    /// What bounds a reference.
+    pub fn motion(&self) -> MotionLimits {
+        *self.servo.params().motion()
+    }
+
+    /// Forgets the offsets of an experiment before.
+    pub fn forget_offsets(&mut self) {
         while self.offsets.dequeue().is_some() {}
     }
 
@@ -118,16 +131,19 @@ impl Tick {
         self.servo.init()
     }
 
-    /// Acknowledge, read, one step, write, enqueue.
+    /// Acknowledge, sample, read, one step, write, enqueue.
     fn run(&mut self) {
         let began = DWT::cycle_count();
+        let now_us = clock::microseconds();
         self.timer.clear_flags(Flag::Update);
-        let late = self.began.is_some_and(|before| began.wrapping_sub(before) > LATE_CYCLES);
-        self.began = Some(began);
+        let late = self.began.is_some_and(|before| now_us.wrapping_sub(before) > LATE_US);
+        self.began = Some(now_us);
+        self.servo.sample();
 
         let orders = self.orders(late);
         let mut frame = self.servo.tick(&orders);
         self.next_seq = frame.seq.wrapping_add(1);
+        safe::ticked(self.next_seq);
 
         let cycles = DWT::cycle_count().wrapping_sub(began);
         self.worst_cycles = self.worst_cycles.max(cycles);
@@ -140,7 +156,8 @@ impl Tick {
     /// What this tick is told.
     fn orders(&mut self, late: bool) -> Orders {
         // Without a value thread mode is more than 32 ms late: the reference waits for it.
-        let mut orders = self.commander.orders(self.servo.state(), || self.offsets.dequeue());
+        let Self { commander, servo, offsets, .. } = self;
+        let mut orders = commander.orders(servo.state(), servo.params().motion(), || offsets.dequeue());
         if late {
             orders.reported |= Faults::TICK_OVERRUN;
         }

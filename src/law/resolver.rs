@@ -24,6 +24,15 @@ impl Tracking {
         }
     }
 
+    /// Calls the position by another name; the motion goes on. Whether there is a position at all.
+    pub(crate) fn rename(&mut self, name: Counts) -> bool {
+        match self {
+            Self::Lost => return false,
+            Self::Located { position, .. } | Self::Moving { position, .. } => *position = name,
+        }
+        true
+    }
+
     /// The way of the last tick, counts; 0 while it is unknown.
     pub(crate) fn moved_counts(self) -> i32 {
         match self {

@@ -103,7 +103,7 @@ mod tests {
 
     #[test]
     fn a_single_flipped_bit_is_always_seen() {
-        let packet = Packet { session: 7, sequence: 8, command: Command::Reference { counts: 40_960 } };
+        let packet = Packet { session: 7, sequence: 8, command: Command::SetPosition { counts: 40_960 } };
         let good = sent(&packet);
         for bit in 0..good.len() * 8 {
             let mut bytes = good.clone();
@@ -115,7 +115,7 @@ mod tests {
 
     #[test]
     fn what_follows_damage_is_received() {
-        let packet = Packet { session: 1, sequence: 2, command: Command::Enable };
+        let packet = Packet { session: 1, sequence: 2, command: Command::Disable };
         let mut bytes = std::vec![0x55; 1000];
         bytes.push(0);
         bytes.extend_from_slice(&sent(&packet)[2..]);

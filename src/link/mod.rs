@@ -9,29 +9,34 @@
 //! A [`Command::Hello`] opens a session; the drive chooses its number. Every later packet carries that number and a
 //! sequence number above the last one, so that neither a packet of an earlier session nor one that is sent twice is carried
 //! out. The last packet of a session may be sent again when its answer was lost: it is answered again, not carried out
-//! again. What cannot be understood is dropped and counted ([`Counters`]); it never reaches a tick.
+//! again. While the client of a session is heard of and the drive moves, another client only gets a session that may read,
+//! and stop the drive. What cannot be understood is dropped and counted ([`Counters`]); it never reaches a tick.
 //!
 //! [`Server`] is the drive's side without its hardware, [`Commander`] what it leaves for the ticks.
 
 mod commander;
+mod drive;
 mod framing;
 mod server;
 
 pub use commander::{Commander, Offset};
+pub use drive::Drive;
 pub use framing::{Malformed, Receiver, TooLong, encode};
-pub use server::{Drive, Server};
+pub use server::Server;
 
 use serde::{Deserialize, Serialize};
 
+use crate::events::Event;
 use crate::experiment::Experiment;
+pub use crate::motion::Pace;
 
 /// Baud rate, 8N1.
 pub const BAUD: u32 = 921_600;
 /// Version of the messages; another one is refused.
-pub const PROTOCOL: u16 = 2;
+pub const PROTOCOL: u16 = 3;
 /// Longest packet as it is sent, the zero included.
 pub const PACKET_BYTES: usize = 128;
-/// The drive trips when the reference comes from the link and nothing was heard for this long, s.
+/// The drive stops when the client that commands it was not heard of for this long, s, unless it was asked to go on alone.
 pub const SILENCE_S: f32 = 0.25;
 
 /// What the drive is asked to do.
@@ -40,21 +45,45 @@ pub enum Command {
     /// Opens a session; session and sequence of the packet are ignored. Forgets parameters that were staged and not
     /// applied.
     Hello,
+    /// Ends the session: another client need not wait until this one is silent.
+    Bye,
     /// Ready to running.
-    Enable,
-    /// Running to ready.
+    Enable {
+        /// The link may be silent while the reference stays.
+        autonomous: bool,
+    },
+    /// Running to ready, through a stop of the axis where the parameters say so. Any session may.
     Disable,
     /// Brings chips that failed up again, and leaves the fault state once no cause is left.
     ClearFault,
-    /// Reference position, counts; only while running. From then on silence of the link is a fault.
-    Reference {
-        /// Counts, unwrapped across pole pairs.
+    /// Calls the position by another name, from which on the axis is homed; only while ready.
+    SetPosition {
+        /// What the position is now, counts.
         counts: i32,
     },
-    /// The reference stays where it is, and silence of the link is no fault; ends an experiment.
-    Hold,
-    /// Runs an experiment from where the axis stands; only while running.
-    Run(Experiment),
+    /// Sends the reference somewhere; only while running. From then on silence of the link is a fault.
+    Reference {
+        /// Where to.
+        target: Target,
+        /// How fast.
+        pace: Pace,
+        /// Greatest torque until the next command, whole N m; 0 for no bound but the parameter's.
+        torque_bound_nm: u8,
+    },
+    /// The reference slows down and stays; ends an experiment.
+    Hold {
+        /// The link may be silent from then on.
+        autonomous: bool,
+    },
+    /// Runs an experiment from where the reference is; only while running.
+    Run {
+        /// Which.
+        experiment: Experiment,
+        /// Greatest torque meanwhile, whole N m; 0 for no bound but the parameter's.
+        torque_bound_nm: u8,
+        /// The link may be silent meanwhile.
+        autonomous: bool,
+    },
     /// Reads a parameter of the staged set, by its index in [`crate::parameters::TABLE`].
     ReadParameter {
         /// Index.
@@ -68,7 +97,10 @@ pub enum Command {
         value: f32,
     },
     /// Makes the staged parameters those of the law; neither while running nor while recording.
-    Apply,
+    Apply {
+        /// Even if the loop would be unstable or near it; this is logged.
+        force: bool,
+    },
     /// Stages the parameters the image was built with.
     Defaults,
     /// Stages the parameters in flash.
@@ -84,6 +116,20 @@ pub enum Command {
     StopRecording,
     /// Asks for a [`Status`].
     Status,
+    /// Asks for a fault of the event log.
+    Event {
+        /// 0 for the newest, and so on back.
+        back: u8,
+    },
+}
+
+/// Where a reference goes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Target {
+    /// To a position, counts; only once the axis is homed.
+    Absolute(i32),
+    /// So many counts on from where it was going.
+    Relative(i32),
 }
 
 /// A command in its session.
@@ -128,6 +174,22 @@ pub enum Refusal {
     InterlockOpen,
     /// The emergency stop is pressed.
     StopPressed,
+    /// The motor's amplifier is not ready.
+    AmplifierNotReady,
+    /// Only while ready.
+    NotReady,
+    /// The position does not count from the user's zero.
+    NotHomed,
+    /// The reference is beyond the soft limits.
+    BeyondLimits,
+    /// Another client commands the drive.
+    Observer,
+    /// The parameters would make the loop unstable, or nearly.
+    Unstable,
+    /// The image has another value built in.
+    BuiltIn,
+    /// The stored parameters are damaged.
+    ParametersDamaged,
 }
 
 impl core::fmt::Display for Refusal {
@@ -139,7 +201,7 @@ impl core::fmt::Display for Refusal {
             Self::Recording => "a recording runs: stop it first",
             Self::Index => "there is no parameter of that index",
             Self::Value => "the value is out of its range or does not fit the other parameters",
-            Self::NothingStored => "the flash holds no parameters of this version",
+            Self::NothingStored => "the flash holds no parameters, or none that this image can use",
             Self::Storage => "the flash could not be written or read",
             Self::Hardware => "a chip did not come up: see the log, check its supply and wiring",
             Self::Booting => "the drive is booting: ask again in a moment",
@@ -147,6 +209,14 @@ impl core::fmt::Display for Refusal {
             Self::NoFault => "there is no fault to clear",
             Self::InterlockOpen => "the high-voltage interlock is open: close it",
             Self::StopPressed => "the emergency stop is pressed: release it",
+            Self::AmplifierNotReady => "the motor's amplifier is not ready: check its supply, let it cool",
+            Self::NotReady => "only while the drive is ready: disable it, or clear its fault, first",
+            Self::NotHomed => "the axis is not homed: set its position first, or move it relative to where it is",
+            Self::BeyondLimits => "beyond position_min_rad or position_max_rad",
+            Self::Observer => "another client commands the drive: it may be read and stopped, nothing else",
+            Self::Unstable => "the loop would be unstable, or nearly: see the margins of the gains, or force it",
+            Self::BuiltIn => "period_s and speed_from_converter are built into the image and cannot be set",
+            Self::ParametersDamaged => "the stored parameters are damaged: write a full set and apply it first",
         })
     }
 }
@@ -168,15 +238,42 @@ pub struct Counters {
     pub refused: u32,
 }
 
+/// Where the parameters of the law came from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum ParameterSource {
+    /// The image: the flash is empty, or the link asked for them.
+    BuiltIn,
+    /// The flash.
+    Flash,
+    /// The link; they are gone with the next reset unless they are saved.
+    Link,
+    /// The link, against the advice of the stability margins.
+    Forced,
+    /// The image, because what the flash holds is damaged or of another release.
+    Damaged,
+}
+
+impl core::fmt::Display for ParameterSource {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str(match self {
+            Self::BuiltIn => "built in",
+            Self::Flash => "flash",
+            Self::Link => "link, not saved",
+            Self::Forced => "link, forced against the stability margins, not saved",
+            Self::Damaged => "built in, because the flash holds a damaged or foreign set",
+        })
+    }
+}
+
 /// How the drive is.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Status {
     /// Tick.
     pub tick: u32,
-    /// 0 boot, 1 ready, 2 running, 3 fault.
+    /// 0 boot, 1 ready, 2 running, 3 fault, 4 stopping.
     pub state: u8,
     /// Latched faults, bits of [`crate::Faults`].
-    pub faults: u16,
+    pub faults: u32,
     /// Fault byte of the resolver converter.
     pub resolver_faults: u8,
     /// Input flags, bits of [`crate::InputFlags`].
@@ -197,6 +294,10 @@ pub struct Status {
     pub lost: u16,
     /// Whether a recording runs.
     pub recording: bool,
+    /// Whether the position counts from the user's zero.
+    pub homed: bool,
+    /// Where the parameters of the law came from.
+    pub parameters: ParameterSource,
     /// The link itself.
     pub counters: Counters,
 }
@@ -208,6 +309,8 @@ pub enum Answer {
     Hello {
         /// Number of the session.
         session: u32,
+        /// The session may read and stop the drive, as another client commands it.
+        observer: bool,
         /// [`PROTOCOL`].
         protocol: u16,
         /// Layout of the telemetry frame.
@@ -228,6 +331,8 @@ pub enum Answer {
     },
     /// How the drive is.
     Status(Status),
+    /// A fault of the event log; none where there are fewer.
+    Event(Option<Event>),
 }
 
 /// An answer, and to what.

@@ -1,57 +1,14 @@
 //! The drive's side of the command link: sessions, parameters, and what each command does, without the hardware.
 
-use super::{Answer, Command, Counters, Malformed, PROTOCOL, Packet, Receiver, Refusal, Reply, Status};
-use crate::experiment::Sequence;
+use super::{
+    Answer, Command, Counters, Drive, Malformed, PROTOCOL, Pace, Packet, ParameterSource, Receiver, Refusal, Reply,
+    Status, Target,
+};
 use crate::storage::StorageError;
-use crate::{Config, Counts, FRAME_SCHEMA, Faults, Frame, InputFlags, Params, Request, State, Supervisor, parameters};
-
-/// What the commands act on: the image's tick, log and flash; in tests a stand-in.
-pub trait Drive {
-    /// Which image it is.
-    fn build(&self) -> [u8; 8];
-    /// Number of the next tick.
-    fn tick(&self) -> u32;
-    /// State of the law before it.
-    fn state(&self) -> State;
-    /// The last tick; none before the first.
-    fn last_frame(&self) -> Option<Frame>;
-    /// A packet of the session came in: the link is alive.
-    fn heard(&mut self);
-    /// Makes a request in the next tick.
-    fn request(&mut self, request: Request);
-    /// Takes the reference from the link.
-    fn follow(&mut self, reference: Counts);
-    /// The reference stays; an experiment ends.
-    fn hold(&mut self);
-    /// Runs an experiment from where the reference stands.
-    fn run(&mut self, sequence: Sequence);
-    /// Brings the chips up again.
-    ///
-    /// # Errors
-    /// [`Refusal::Hardware`].
-    fn reinitialise(&mut self) -> Result<(), Refusal>;
-    /// Replaces the parameters of the law between two ticks.
-    ///
-    /// # Errors
-    /// The state that forbids it.
-    fn set_params(&mut self, params: Params) -> Result<(), Supervisor>;
-    /// The parameters in flash.
-    ///
-    /// # Errors
-    /// See [`StorageError`].
-    fn load(&mut self) -> Result<Config, StorageError>;
-    /// Stores parameters in flash, however long that takes; only asked while not running.
-    ///
-    /// # Errors
-    /// See [`StorageError`].
-    fn save(&mut self, config: &Config) -> Result<(), StorageError>;
-    /// Whether a recording runs.
-    fn recording(&self) -> bool;
-    /// Starts a recording of the law with its parameters.
-    fn start_recording(&mut self, run: u32, config: &Config);
-    /// Ends the recording, if there is one.
-    fn stop_recording(&mut self);
-}
+use crate::{
+    Config, ConfigError, Counts, FRAME_SCHEMA, Faults, InputFlags, Params, Request, Supervisor, TORQUE_CEILING_NM,
+    parameters,
+};
 
 #[derive(Debug)]
 struct Session {
@@ -65,23 +22,34 @@ struct Session {
 #[derive(Debug)]
 pub struct Server {
     receiver: Receiver,
-    session: Option<Session>,
+    /// Of the client that commands.
+    owner: Option<Session>,
+    /// Of the last client that came while another commanded.
+    observer: Option<Session>,
     counters: Counters,
     /// Parameters of the law.
     config: Config,
+    source: ParameterSource,
     /// Parameters as the host has written them, not yet applied.
     staged: Config,
+    staged_from: ParameterSource,
 }
 
 fn count(counter: &mut u32) {
     *counter = counter.wrapping_add(1);
 }
 
+/// Opens a new session in one of the two places, with a number that neither has.
+fn open(place: &mut Option<Session>, number: u32) -> u32 {
+    *place = Some(Session { number, last: None });
+    number
+}
+
 impl Server {
     /// With the parameters the law was started with.
-    pub fn new(config: Config) -> Self {
+    pub fn new(config: Config, source: ParameterSource) -> Self {
         let (receiver, counters) = (Receiver::default(), Counters::default());
-        Self { receiver, session: None, counters, config, staged: config }
+        Self { receiver, owner: None, observer: None, counters, config, source, staged: config, staged_from: source }
     }
 
     /// What became of the bytes so far.
@@ -109,7 +77,10 @@ impl Server {
         if packet.command == Command::Hello {
             return Some(Reply { sequence, answer: self.hello(drive) });
         }
-        let Some(session) = self.session.as_ref().filter(|session| session.number == packet.session) else {
+        let is_its = |session: &&Session| session.number == packet.session;
+        let owner = self.owner.as_ref().filter(is_its);
+        let observes = owner.is_none();
+        let Some(session) = owner.or(self.observer.as_ref().filter(is_its)) else {
             count(&mut self.counters.replayed);
             return Some(Reply { sequence, answer: Answer::Refused(Refusal::Session) });
         };
@@ -120,27 +91,45 @@ impl Server {
             // Its answer may have been lost on the way; an older one's was not, or the host would not have gone on.
             return (sequence == last.sequence).then_some(last);
         }
-        drive.heard();
         count(&mut self.counters.packets);
-        let answer = self.carry_out(&packet.command, drive).unwrap_or_else(|refusal| {
+        let outcome = if observes {
+            self.observe(&packet.command, drive)
+        } else {
+            drive.heard();
+            self.carry_out(&packet.command, drive)
+        };
+        let answer = outcome.unwrap_or_else(|refusal| {
             count(&mut self.counters.refused);
             Answer::Refused(refusal)
         });
         let reply = Reply { sequence, answer };
-        if let Some(session) = &mut self.session {
+        let place = if observes { &mut self.observer } else { &mut self.owner };
+        if let Some(session) = place {
             session.last = Some(reply);
+        }
+        // An ended session still answers its last packet, and commands nothing.
+        if packet.command == Command::Bye && !observes {
+            self.observer = self.owner.take();
         }
         Some(reply)
     }
 
-    fn hello(&mut self, drive: &impl Drive) -> Answer {
-        // The tick count makes a number that no session before it had, short of a reset; after one nothing runs.
-        let tick = drive.tick();
-        let session = self.session.as_ref().map_or(tick, |session| session.number.wrapping_add(1).max(tick));
-        self.session = Some(Session { number: session, last: None });
-        self.staged = self.config;
+    fn hello(&mut self, drive: &mut impl Drive) -> Answer {
+        let moving = matches!(drive.state().supervisor(), Supervisor::Running | Supervisor::Stopping { .. });
+        let observer = self.owner.is_some() && moving && drive.link_alive();
+        let taken = [&self.owner, &self.observer].map(|session| session.as_ref().map_or(0, |session| session.number));
+        let mut number = drive.random();
+        // 0 is what a client without a session sends; two of the next three numbers may be taken.
+        while number == 0 || taken.contains(&number) {
+            number = number.wrapping_add(1);
+        }
+        let session = if observer { open(&mut self.observer, number) } else { open(&mut self.owner, number) };
+        if !observer {
+            (self.staged, self.staged_from) = (self.config, self.source);
+        }
         Answer::Hello {
             session,
+            observer,
             protocol: PROTOCOL,
             frame_schema: FRAME_SCHEMA,
             parameters: parameters::TABLE.len() as u8,
@@ -148,42 +137,61 @@ impl Server {
         }
     }
 
+    /// What a client may that does not command.
+    fn observe(&mut self, command: &Command, drive: &mut impl Drive) -> Result<Answer, Refusal> {
+        match *command {
+            Command::Status => self.status(drive).ok_or(Refusal::Booting),
+            Command::ReadParameter { index } => read(&self.config, index),
+            Command::Disable => {
+                drive.request(Request::Disable);
+                Ok(Answer::Done)
+            }
+            Command::Event { back } => Ok(Answer::Event(drive.event(back))),
+            Command::Bye => Ok(Answer::Done),
+            _ => Err(Refusal::Observer),
+        }
+    }
+
+    // Over 40 lines: every command once.
     fn carry_out(&mut self, command: &Command, drive: &mut impl Drive) -> Result<Answer, Refusal> {
         match *command {
-            // Handled before, as it has no session.
-            Command::Hello => {}
-            Command::Enable => enable(drive)?,
+            // Handled before, as it has no session; and behind this.
+            Command::Hello | Command::Bye => {}
+            Command::Enable { autonomous } => enable(drive, autonomous)?,
             Command::Disable => drive.request(Request::Disable),
-            Command::ClearFault => clear(drive)?,
-            Command::Reference { counts } => {
-                running(drive)?;
-                drive.follow(Counts(counts));
+            Command::ClearFault => self.clear(drive)?,
+            Command::SetPosition { counts } => {
+                ready(drive)?;
+                drive.set_position(Counts(counts));
             }
-            Command::Hold => {
+            Command::Reference { target, pace, torque_bound_nm } => refer(drive, target, &pace, torque_bound_nm)?,
+            Command::Hold { autonomous } => {
                 running(drive)?;
-                drive.hold();
+                drive.hold(autonomous);
             }
-            Command::Run(experiment) => {
+            Command::Run { experiment, torque_bound_nm, autonomous } => {
                 let sequence = experiment.start(self.config.period_s).map_err(|_| Refusal::Value)?;
+                bound(torque_bound_nm)?;
                 running(drive)?;
-                drive.run(sequence);
+                drive.run(sequence, torque_bound_nm, autonomous);
             }
-            Command::ReadParameter { index } => {
-                let parameter = parameters::TABLE.get(usize::from(index)).ok_or(Refusal::Index)?;
-                return Ok(Answer::Parameter { value: (parameter.get)(&self.staged) });
-            }
+            Command::ReadParameter { index } => return read(&self.staged, index),
             Command::WriteParameter { index, value } => self.write(index, value)?,
-            Command::Apply => self.apply(drive)?,
-            Command::Defaults => self.staged = Config::default(),
-            Command::Load => self.staged = drive.load().map_err(refusal)?,
+            Command::Apply { force } => self.apply(drive, force)?,
+            Command::Defaults => (self.staged, self.staged_from) = (Config::default(), ParameterSource::BuiltIn),
+            Command::Load => {
+                (self.staged, self.staged_from) = (drive.load().map_err(refusal)?, ParameterSource::Flash);
+            }
             Command::Save => {
                 idle(drive)?;
                 drive.save(&self.config).map_err(refusal)?;
+                self.source = ParameterSource::Flash;
             }
             Command::StartRecording { .. } if drive.recording() => return Err(Refusal::Recording),
             Command::StartRecording { run } => drive.start_recording(run, &self.config),
             Command::StopRecording => drive.stop_recording(),
             Command::Status => return self.status(drive).ok_or(Refusal::Booting),
+            Command::Event { back } => return Ok(Answer::Event(drive.event(back))),
         }
         Ok(Answer::Done)
     }
@@ -194,14 +202,38 @@ impl Server {
             return Err(Refusal::Value);
         }
         (parameter.set)(&mut self.staged, value);
+        self.staged_from = ParameterSource::Link;
         Ok(())
     }
 
-    fn apply(&mut self, drive: &mut impl Drive) -> Result<(), Refusal> {
+    fn apply(&mut self, drive: &mut impl Drive, force: bool) -> Result<(), Refusal> {
         idle(drive)?;
-        let params = Params::new(&self.staged).map_err(|_| Refusal::Value)?;
-        drive.set_params(params).map_err(|_| Refusal::Running)?;
+        let sound = Params::for_image(&self.staged, false);
+        let forced = force && matches!(sound, Err(ConfigError::Unstable(_)));
+        let params = if forced { Params::for_image(&self.staged, true) } else { sound };
+        let params = params.map_err(|error| match error {
+            ConfigError::Unstable(_) => Refusal::Unstable,
+            ConfigError::BuiltIn { .. } => Refusal::BuiltIn,
+            _ => Refusal::Value,
+        })?;
+        drive.set_params(params, forced).map_err(|_| Refusal::Running)?;
         self.config = self.staged;
+        self.source = if forced { ParameterSource::Forced } else { self.staged_from };
+        Ok(())
+    }
+
+    /// Brings chips that failed up again first; the drive is in its safe state meanwhile.
+    fn clear(&self, drive: &mut impl Drive) -> Result<(), Refusal> {
+        let hardware = Faults::RESOLVER_CHIP | Faults::RESOLVER_BUS | Faults::OUTPUT_BUS;
+        let Supervisor::Fault { faults } = drive.state().supervisor() else { return Err(Refusal::NoFault) };
+        if self.source == ParameterSource::Damaged {
+            return Err(Refusal::ParametersDamaged);
+        }
+        permitted(drive)?;
+        if faults.intersects(hardware) {
+            drive.reinitialise()?;
+        }
+        drive.request(Request::ClearFault);
         Ok(())
     }
 
@@ -215,6 +247,7 @@ impl Server {
                 Supervisor::Ready => 1,
                 Supervisor::Running => 2,
                 Supervisor::Fault { .. } => 3,
+                Supervisor::Stopping { .. } => 4,
             },
             faults: outputs.supervisor.faults().bits(),
             resolver_faults: inputs.resolver.fault_byte,
@@ -227,9 +260,43 @@ impl Server {
             worst_cycles: frame.timing.worst_cycles,
             lost: frame.lost,
             recording: drive.recording(),
+            homed: drive.state().homed(),
+            parameters: self.source,
             counters: self.counters,
         }))
     }
+}
+
+fn read(config: &Config, index: u8) -> Result<Answer, Refusal> {
+    let parameter = parameters::TABLE.get(usize::from(index)).ok_or(Refusal::Index)?;
+    Ok(Answer::Parameter { value: (parameter.get)(config) })
+}
+
+fn refer(drive: &mut impl Drive, target: Target, pace: &Pace, torque_bound_nm: u8) -> Result<(), Refusal> {
+    bound(torque_bound_nm)?;
+    if !pace.is_valid() {
+        return Err(Refusal::Value);
+    }
+    running(drive)?;
+    let homed = drive.state().homed();
+    let counts = match target {
+        Target::Absolute(_) if !homed => return Err(Refusal::NotHomed),
+        Target::Absolute(counts) => Counts(counts),
+        Target::Relative(counts) => Counts(drive.target().0.saturating_add(counts)),
+    };
+    if homed && !drive.motion().allow(counts) {
+        return Err(Refusal::BeyondLimits);
+    }
+    drive.follow(counts, pace, torque_bound_nm);
+    Ok(())
+}
+
+fn bound(torque_bound_nm: u8) -> Result<(), Refusal> {
+    if f32::from(torque_bound_nm) <= TORQUE_CEILING_NM { Ok(()) } else { Err(Refusal::Value) }
+}
+
+fn ready(drive: &impl Drive) -> Result<(), Refusal> {
+    if drive.state().supervisor() == Supervisor::Ready { Ok(()) } else { Err(Refusal::NotReady) }
 }
 
 fn running(drive: &impl Drive) -> Result<(), Refusal> {
@@ -239,7 +306,7 @@ fn running(drive: &impl Drive) -> Result<(), Refusal> {
 /// Neither running nor recording.
 fn idle(drive: &impl Drive) -> Result<(), Refusal> {
     match drive.state().supervisor() {
-        Supervisor::Running => Err(Refusal::Running),
+        Supervisor::Running | Supervisor::Stopping { .. } => Err(Refusal::Running),
         _ if drive.recording() => Err(Refusal::Recording),
         _ => Ok(()),
     }
@@ -254,25 +321,18 @@ fn permitted(drive: &impl Drive) -> Result<(), Refusal> {
     if flags.contains(InputFlags::STOP_PRESSED) { Err(Refusal::StopPressed) } else { Ok(()) }
 }
 
-fn enable(drive: &mut impl Drive) -> Result<(), Refusal> {
+fn enable(drive: &mut impl Drive, autonomous: bool) -> Result<(), Refusal> {
     match drive.state().supervisor() {
         Supervisor::Boot { .. } => return Err(Refusal::Booting),
         Supervisor::Fault { .. } => return Err(Refusal::Fault),
+        Supervisor::Stopping { .. } => return Err(Refusal::NotReady),
         Supervisor::Ready | Supervisor::Running => permitted(drive)?,
     }
-    drive.request(Request::Enable);
-    Ok(())
-}
-
-/// Brings chips that failed up again first; the drive is in its safe state meanwhile.
-fn clear(drive: &mut impl Drive) -> Result<(), Refusal> {
-    let hardware = Faults::RESOLVER_CHIP | Faults::RESOLVER_BUS | Faults::OUTPUT_BUS;
-    let Supervisor::Fault { faults } = drive.state().supervisor() else { return Err(Refusal::NoFault) };
-    permitted(drive)?;
-    if faults.intersects(hardware) {
-        drive.reinitialise()?;
+    let flags = drive.last_frame().ok_or(Refusal::Booting)?.inputs.flags;
+    if !flags.contains(InputFlags::AMPLIFIER_READY) {
+        return Err(Refusal::AmplifierNotReady);
     }
-    drive.request(Request::ClearFault);
+    drive.enable(autonomous);
     Ok(())
 }
 

@@ -1,142 +1,18 @@
 //! The drive's side of the command link: every message, sessions, refusals, and bytes that are none of its own.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
+mod bench;
 mod messages;
 
-use er_servo::experiment::{Experiment, Sequence, Shape};
+use bench::Bench;
+use er_servo::experiment::{Experiment, Shape};
 use er_servo::link::{
-    Answer, Command, Drive, PACKET_BYTES, PROTOCOL, Packet, Receiver, Refusal, Reply, Server, Status, encode,
+    Answer, Command, PACKET_BYTES, PROTOCOL, Pace, Packet, ParameterSource, Receiver, Refusal, Reply, Server, Status,
+    Target, encode,
 };
-use er_servo::storage::StorageError;
-use er_servo::{
-    Config, Counts, Faults, Frame, InputFlags, Inputs, Params, Request, State, Supervisor, Timing, parameters, step,
-};
+use er_servo::{Config, Faults, InputFlags, Params, Request, parameters};
 use messages::{any_answer, any_command, any_packet};
 use proptest::prelude::*;
-
-/// What the server asked for, and a law that ticks.
-struct Bench {
-    params: Params,
-    state: State,
-    frame: Option<Frame>,
-    flags: InputFlags,
-    tick: u32,
-    stored: Option<Config>,
-    recording: Option<(u32, Config)>,
-    asked: Vec<&'static str>,
-    chips_fail: bool,
-}
-
-impl Bench {
-    fn new() -> Self {
-        Self {
-            params: Params::new(&Config::default()).unwrap(),
-            state: State::default(),
-            frame: None,
-            flags: InputFlags::INTERLOCK_CLOSED,
-            tick: 0,
-            stored: None,
-            recording: None,
-            asked: Vec::new(),
-            chips_fail: false,
-        }
-    }
-
-    /// Ticks with a request and faults from outside.
-    fn ticks(&mut self, count: u32, request: Request, reported: Faults) {
-        for nth in 0..count {
-            let request = if nth == 0 { request } else { Request::None };
-            let inputs = Inputs { flags: self.flags, request, reported, ..Inputs::default() };
-            let outputs = step(&self.params, &mut self.state, &inputs);
-            self.frame = Some(Frame { seq: self.tick, lost: 0, inputs, outputs, timing: Timing::default() });
-            self.tick += 1;
-        }
-    }
-
-    fn ready() -> Self {
-        let mut bench = Self::new();
-        bench.ticks(100, Request::None, Faults::empty());
-        assert_eq!(bench.state.supervisor(), Supervisor::Ready);
-        bench
-    }
-
-    fn running() -> Self {
-        let mut bench = Self::ready();
-        bench.ticks(1, Request::Enable, Faults::empty());
-        assert_eq!(bench.state.supervisor(), Supervisor::Running);
-        bench
-    }
-}
-
-impl Drive for Bench {
-    fn build(&self) -> [u8; 8] {
-        *b"er-servo"
-    }
-
-    fn tick(&self) -> u32 {
-        self.tick
-    }
-
-    fn state(&self) -> State {
-        self.state
-    }
-
-    fn last_frame(&self) -> Option<Frame> {
-        self.frame
-    }
-
-    fn heard(&mut self) {
-        self.asked.push("heard");
-    }
-
-    fn request(&mut self, request: Request) {
-        self.asked.push("request");
-        self.ticks(1, request, Faults::empty());
-    }
-
-    fn follow(&mut self, _: Counts) {
-        self.asked.push("follow");
-    }
-
-    fn hold(&mut self) {
-        self.asked.push("hold");
-    }
-
-    fn run(&mut self, _: Sequence) {
-        self.asked.push("run");
-    }
-
-    fn reinitialise(&mut self) -> Result<(), Refusal> {
-        self.asked.push("reinitialise");
-        if self.chips_fail { Err(Refusal::Hardware) } else { Ok(()) }
-    }
-
-    fn set_params(&mut self, params: Params) -> Result<(), Supervisor> {
-        self.params = params;
-        Ok(())
-    }
-
-    fn load(&mut self) -> Result<Config, StorageError> {
-        self.stored.ok_or(StorageError::Empty)
-    }
-
-    fn save(&mut self, config: &Config) -> Result<(), StorageError> {
-        self.stored = Some(*config);
-        Ok(())
-    }
-
-    fn recording(&self) -> bool {
-        self.recording.is_some()
-    }
-
-    fn start_recording(&mut self, run: u32, config: &Config) {
-        self.recording = Some((run, *config));
-    }
-
-    fn stop_recording(&mut self) {
-        self.recording = None;
-    }
-}
 
 /// A server with an open session, and the drive it acts on.
 struct Linked {
@@ -152,7 +28,8 @@ fn bytes(message: &impl serde::Serialize) -> Vec<u8> {
 
 impl Linked {
     fn to(drive: Bench) -> Self {
-        let mut linked = Self { server: Server::new(Config::default()), drive, session: 0, sequence: 0 };
+        let mut linked =
+            Self { server: Server::new(Config::default(), ParameterSource::BuiltIn), drive, session: 0, sequence: 0 };
         linked.hello();
         linked
     }
@@ -202,8 +79,16 @@ impl Linked {
 }
 
 fn experiment(amplitude_rad: f32) -> Command {
-    Command::Run(Experiment { shape: Shape::Step { amplitude_rad }, duration_s: 1.0 })
+    let experiment = Experiment { shape: Shape::Step { amplitude_rad }, duration_s: 1.0 };
+    Command::Run { experiment, torque_bound_nm: 0, autonomous: false }
 }
+
+fn refer(target: Target) -> Command {
+    Command::Reference { target, pace: Pace::default(), torque_bound_nm: 0 }
+}
+
+const ENABLE: Command = Command::Enable { autonomous: false };
+const APPLY: Command = Command::Apply { force: false };
 
 fn received<T: for<'de> serde::Deserialize<'de>>(bytes: &[u8]) -> Option<T> {
     let mut receiver = Receiver::default();
@@ -293,49 +178,60 @@ fn a_packet_sent_again_is_answered_again_and_not_carried_out_again() {
 #[test]
 fn packets_of_an_earlier_session_are_refused() {
     let mut linked = Linked::to(Bench::ready());
-    let old = bytes(&linked.packet(Command::Enable));
+    let old = bytes(&linked.packet(ENABLE));
     let before = linked.session;
     linked.hello();
-    assert!(linked.session > before);
+    assert_ne!(linked.session, before);
     assert_eq!(linked.feed(&old)[0].answer, Answer::Refused(Refusal::Session));
     assert_eq!((linked.server.counters().replayed, linked.drive.asked.len()), (1, 0));
 }
 
 #[test]
 fn without_a_session_nothing_is_carried_out() {
-    let mut linked = Linked { server: Server::new(Config::default()), drive: Bench::ready(), session: 0, sequence: 0 };
-    linked.refused(Command::Enable, Refusal::Session);
+    let mut linked = Linked {
+        server: Server::new(Config::default(), ParameterSource::BuiltIn),
+        drive: Bench::ready(),
+        session: 0,
+        sequence: 0,
+    };
+    linked.refused(ENABLE, Refusal::Session);
     assert!(linked.drive.asked.is_empty());
 }
 
 #[test]
 fn refusals_say_why() {
     let mut booting = Linked::to(Bench::new());
-    booting.refused(Command::Enable, Refusal::Booting);
+    booting.refused(ENABLE, Refusal::Booting);
     booting.refused(Command::Status, Refusal::Booting);
 
     let mut ready = Linked::to(Bench::ready());
     ready.refused(Command::ClearFault, Refusal::NoFault);
-    for command in [Command::Reference { counts: 1 }, Command::Hold, experiment(0.1)] {
+    for command in [refer(Target::Relative(1)), Command::Hold { autonomous: false }, experiment(0.1)] {
         ready.refused(command, Refusal::NotRunning);
     }
     ready.refused(experiment(100.0), Refusal::Value);
     ready.refused(Command::Load, Refusal::NothingStored);
+    ready.refused(experiment(f32::NAN), Refusal::Value);
     ready.drive.flags = InputFlags::empty();
     ready.drive.ticks(1, Request::None, Faults::empty());
-    ready.refused(Command::Enable, Refusal::InterlockOpen);
+    ready.refused(ENABLE, Refusal::InterlockOpen);
     ready.drive.flags = InputFlags::INTERLOCK_CLOSED | InputFlags::STOP_PRESSED;
     ready.drive.ticks(1, Request::None, Faults::empty());
-    ready.refused(Command::Enable, Refusal::StopPressed);
+    ready.refused(ENABLE, Refusal::StopPressed);
+
+    ready.drive.flags = InputFlags::INTERLOCK_CLOSED;
+    ready.drive.ticks(1, Request::None, Faults::empty());
+    ready.refused(ENABLE, Refusal::AmplifierNotReady);
 
     let mut running = Linked::to(Bench::running());
-    running.refused(Command::Apply, Refusal::Running);
+    running.refused(Command::SetPosition { counts: 0 }, Refusal::NotReady);
+    running.refused(APPLY, Refusal::Running);
     running.refused(Command::Save, Refusal::Running);
-    assert_eq!(running.status().counters.refused, 2);
+    assert_eq!(running.status().counters.refused, 3);
 
     let mut faulty = Linked::to(Bench::ready());
     faulty.drive.ticks(1, Request::None, Faults::OUTPUT_BUS);
-    faulty.refused(Command::Enable, Refusal::Fault);
+    faulty.refused(ENABLE, Refusal::Fault);
     faulty.drive.chips_fail = true;
     faulty.refused(Command::ClearFault, Refusal::Hardware);
     faulty.drive.chips_fail = false;
@@ -352,19 +248,19 @@ fn parameters_act_when_applied_and_a_new_session_forgets_what_was_staged() {
     linked.refused(Command::WriteParameter { index: kp, value: f32::NAN }, Refusal::Value);
     linked.refused(Command::WriteParameter { index: 200, value: 1.0 }, Refusal::Index);
     linked.refused(Command::ReadParameter { index: 200 }, Refusal::Index);
-    linked.done(Command::WriteParameter { index: kp, value: 300.0 });
+    linked.done(Command::WriteParameter { index: kp, value: 270.0 });
     linked.hello();
     assert_eq!(linked.ask(Command::ReadParameter { index: kp }), default, "not applied: forgotten");
 
-    linked.done(Command::WriteParameter { index: kp, value: 300.0 });
-    linked.done(Command::Apply);
+    linked.done(Command::WriteParameter { index: kp, value: 270.0 });
+    linked.done(APPLY);
     linked.done(Command::Save);
-    let applied = Config { kp_nm_rad: 300.0, ..Config::default() };
+    let applied = Config { kp_nm_rad: 270.0, ..Config::default() };
     assert_eq!(linked.drive.params, Params::new(&applied).unwrap());
     linked.done(Command::Defaults);
-    linked.done(Command::Apply);
+    linked.done(APPLY);
     linked.done(Command::Load);
-    linked.done(Command::Apply);
+    linked.done(APPLY);
     assert_eq!(linked.drive.params, Params::new(&applied).unwrap());
 }
 
@@ -374,8 +270,101 @@ fn a_recording_knows_its_run_and_forbids_other_parameters() {
     linked.done(Command::StartRecording { run: 7 });
     assert_eq!(linked.drive.recording, Some((7, Config::default())));
     linked.refused(Command::StartRecording { run: 8 }, Refusal::Recording);
-    linked.refused(Command::Apply, Refusal::Recording);
+    linked.refused(APPLY, Refusal::Recording);
     assert!(linked.status().recording);
     linked.done(Command::StopRecording);
-    linked.done(Command::Apply);
+    linked.done(APPLY);
+}
+
+#[test]
+fn while_one_client_moves_the_drive_another_may_read_and_stop_it_and_no_more() {
+    let mut owner = Linked::to(Bench::running());
+    let (session, sequence) = (owner.session, owner.sequence);
+    owner.hello();
+    assert_ne!(owner.session, session, "the observer has a session of its own");
+    owner.drive.asked.clear();
+    assert_eq!(owner.status().state, 2);
+    let numbers = [0, 1, 2].map(|back| match owner.ask(Command::Event { back }) {
+        Answer::Event(event) => event.map(|event| event.number),
+        other => panic!("{other:?}"),
+    });
+    assert_eq!(numbers, [Some(1), Some(0), None]);
+    owner.ask(Command::ReadParameter { index: 1 });
+    for command in [ENABLE, refer(Target::Relative(5)), experiment(0.1), APPLY, Command::ClearFault] {
+        owner.refused(command, Refusal::Observer);
+    }
+    assert!(owner.drive.asked.is_empty(), "it neither commands nor keeps the link alive: {:?}", owner.drive.asked);
+    owner.done(Command::Disable);
+    assert_eq!(owner.drive.asked, ["request"]);
+    // The first client goes on.
+    (owner.session, owner.sequence) = (session, sequence);
+    owner.done(ENABLE);
+    // Once it is silent, or has said good-bye, the next one commands.
+    owner.drive.alive = false;
+    owner.hello();
+    owner.done(Command::Hold { autonomous: false });
+    owner.drive.alive = true;
+    owner.done(Command::Bye);
+    owner.refused(Command::Hold { autonomous: false }, Refusal::Observer);
+    owner.hello();
+    owner.done(Command::Hold { autonomous: false });
+}
+
+#[test]
+fn absolute_references_need_a_homed_axis_and_keep_to_its_limits() {
+    let mut linked = Linked::to(Bench::ready());
+    let far = Config { position_min_rad: -1.0, position_max_rad: 1.0, ..Config::default() };
+    linked.drive.params = Params::new(&far).unwrap();
+    linked.done(ENABLE);
+    linked.refused(refer(Target::Absolute(10)), Refusal::NotHomed);
+    linked.done(refer(Target::Relative(10)));
+    linked.done(Command::Disable);
+    linked.drive.ticks(1, Request::None, Faults::empty());
+    linked.done(Command::SetPosition { counts: 500 });
+    assert!(linked.status().homed);
+    linked.done(ENABLE);
+    linked.done(refer(Target::Absolute(10)));
+    linked.refused(refer(Target::Absolute(491_520)), Refusal::BeyondLimits);
+    linked.refused(refer(Target::Relative(-491_520)), Refusal::BeyondLimits);
+    let slow = Pace { speed_rad_s: f32::NAN, acceleration_rad_s2: 1.0 };
+    linked.refused(Command::Reference { target: Target::Relative(1), pace: slow, torque_bound_nm: 0 }, Refusal::Value);
+    let strong = Command::Reference { target: Target::Relative(1), pace: Pace::default(), torque_bound_nm: 31 };
+    linked.refused(strong, Refusal::Value);
+}
+
+fn index(name: &str) -> u8 {
+    parameters::TABLE.iter().position(|parameter| parameter.name == name).unwrap() as u8
+}
+
+#[test]
+fn what_would_be_unstable_is_refused_unless_forced_and_what_is_built_in_always() {
+    let mut linked = Linked::to(Bench::ready());
+    linked.done(Command::WriteParameter { index: index("kd_nm_s_rad"), value: 0.0 });
+    linked.refused(APPLY, Refusal::Unstable);
+    linked.done(Command::Apply { force: true });
+    assert_eq!((linked.status().parameters, linked.drive.last_asked()), (ParameterSource::Forced, "forced"));
+    linked.done(Command::Defaults);
+    linked.done(Command::Apply { force: true });
+    assert_eq!((linked.status().parameters, linked.drive.last_asked()), (ParameterSource::BuiltIn, "set"));
+    for (name, value) in [("period_s", 0.002), ("speed_from_converter", 1.0)] {
+        linked.done(Command::Defaults);
+        linked.done(Command::WriteParameter { index: index(name), value });
+        linked.refused(APPLY, Refusal::BuiltIn);
+        linked.refused(Command::Apply { force: true }, Refusal::BuiltIn);
+    }
+}
+
+#[test]
+fn damaged_stored_parameters_are_no_silent_defaults() {
+    let mut linked = Linked::to(Bench::new());
+    linked.server = Server::new(Config::default(), ParameterSource::Damaged);
+    linked.hello();
+    linked.drive.ticks(100, Request::None, Faults::PARAMETERS);
+    let status = linked.status();
+    assert_eq!((status.state, status.parameters), (3, ParameterSource::Damaged));
+    linked.refused(Command::ClearFault, Refusal::ParametersDamaged);
+    linked.done(Command::Defaults);
+    linked.done(APPLY);
+    linked.done(Command::ClearFault);
+    assert_eq!(linked.status().parameters, ParameterSource::BuiltIn);
 }

@@ -1,7 +1,8 @@
 //! Any message of the link, for properties.
 
+use er_servo::events;
 use er_servo::experiment::{Experiment, Shape};
-use er_servo::link::{Answer, Command, Counters, Packet, Refusal, Status};
+use er_servo::link::{Answer, Command, Counters, Pace, Packet, ParameterSource, Refusal, Status, Target};
 use proptest::prelude::*;
 
 pub fn any_float() -> impl Strategy<Value = f32> {
@@ -33,21 +34,36 @@ pub fn any_command() -> impl Strategy<Value = Command> {
     use Command::*;
     prop_oneof![
         Just(Hello),
-        Just(Enable),
+        Just(Bye),
+        any::<bool>().prop_map(|autonomous| Enable { autonomous }),
         Just(Disable),
         Just(ClearFault),
-        any::<i32>().prop_map(|counts| Reference { counts }),
-        Just(Hold),
-        (any_shape(), any_float()).prop_map(|(shape, duration_s)| Run(Experiment { shape, duration_s })),
+        any::<i32>().prop_map(|counts| SetPosition { counts }),
+        (any::<i32>(), any::<bool>(), any_float(), any_float(), any::<u8>()).prop_map(
+            |(counts, absolute, speed_rad_s, acceleration_rad_s2, torque_bound_nm)| Reference {
+                target: if absolute { Target::Absolute(counts) } else { Target::Relative(counts) },
+                pace: Pace { speed_rad_s, acceleration_rad_s2 },
+                torque_bound_nm,
+            }
+        ),
+        any::<bool>().prop_map(|autonomous| Hold { autonomous }),
+        (any_shape(), any_float(), any::<u8>(), any::<bool>()).prop_map(
+            |(shape, duration_s, torque_bound_nm, autonomous)| Run {
+                experiment: Experiment { shape, duration_s },
+                torque_bound_nm,
+                autonomous,
+            }
+        ),
         any::<u8>().prop_map(|index| ReadParameter { index }),
         (any::<u8>(), any_float()).prop_map(|(index, value)| WriteParameter { index, value }),
-        Just(Apply),
+        any::<bool>().prop_map(|force| Apply { force }),
         Just(Defaults),
         Just(Load),
         Just(Save),
         any::<u32>().prop_map(|run| StartRecording { run }),
         Just(StopRecording),
         Just(Status),
+        any::<u8>().prop_map(|back| Event { back }),
     ]
 }
 
@@ -60,14 +76,18 @@ prop_compose! {
 prop_compose! {
     fn any_status()(
         words: [u32; 9], position: i32, reference: i32, torque_nm in any_float(), field_kv_mm in any_float(),
-        halves: [u16; 3], bytes: [u8; 3], recording: bool,
+        halves: [u16; 2], bytes: [u8; 3], recording: bool, homed: bool,
+        parameters in proptest::sample::select(vec![
+            ParameterSource::BuiltIn, ParameterSource::Flash, ParameterSource::Link, ParameterSource::Forced,
+            ParameterSource::Damaged,
+        ]),
     ) -> Status {
-        let [tick, worst_cycles, packets, damaged, overlong, replayed, refused, ..] = words;
+        let [tick, worst_cycles, packets, damaged, overlong, replayed, refused, faults, ..] = words;
         let counters = Counters { packets, damaged, overlong, replayed, refused };
-        let ([faults, monitor, lost], [state, resolver_faults, flags]) = (halves, bytes);
+        let ([monitor, lost], [state, resolver_faults, flags]) = (halves, bytes);
         Status {
             tick, state, faults, resolver_faults, flags, position, reference, torque_nm, field_kv_mm, monitor,
-            worst_cycles, lost, recording, counters,
+            worst_cycles, lost, recording, homed, parameters, counters,
         }
     }
 }
@@ -88,11 +108,20 @@ pub fn any_answer() -> impl Strategy<Value = Answer> {
         Refusal::NoFault,
         Refusal::InterlockOpen,
         Refusal::StopPressed,
+        Refusal::AmplifierNotReady,
+        Refusal::NotReady,
+        Refusal::NotHomed,
+        Refusal::BeyondLimits,
+        Refusal::Observer,
+        Refusal::Unstable,
+        Refusal::BuiltIn,
+        Refusal::ParametersDamaged,
     ];
     prop_oneof![
-        (any::<u32>(), any::<u16>(), any::<u8>(), any::<u8>(), any::<[u8; 8]>()).prop_map(
-            |(session, protocol, frame_schema, parameters, build)| Answer::Hello {
+        (any::<u32>(), any::<bool>(), any::<u16>(), any::<u8>(), any::<u8>(), any::<[u8; 8]>()).prop_map(
+            |(session, observer, protocol, frame_schema, parameters, build)| Answer::Hello {
                 session,
+                observer,
                 protocol,
                 frame_schema,
                 parameters,
@@ -103,5 +132,12 @@ pub fn any_answer() -> impl Strategy<Value = Answer> {
         proptest::sample::select(refusals.to_vec()).prop_map(Answer::Refused),
         any_float().prop_map(|value| Answer::Parameter { value }),
         any_status().prop_map(Answer::Status),
+        (any::<bool>(), any::<[u32; 4]>(), any::<i32>(), any_float(), any::<u8>()).prop_map(
+            |(there, [number, faults, at_ms, worst_cycles], position, speed_rad_s, resolver_faults)| {
+                let event =
+                    events::Event { number, faults, at_ms, position, speed_rad_s, worst_cycles, resolver_faults };
+                Answer::Event(there.then_some(event))
+            }
+        ),
     ]
 }

@@ -55,7 +55,8 @@ impl Firmware {
     ///
     /// What the emulator refuses: an image that does not fit the part.
     pub fn run(&self, world: World) -> Result<Finished<ServoBoard, World>, Error> {
-        let session = Session::new(Box::new(ServoBoard::new(world.flash.clone())?), 0, VirtualNanos(0))?;
+        let session =
+            Session::new(Box::new(ServoBoard::new(world.flash.clone(), world.hand.clone())?), 0, VirtualNanos(0))?;
         Ok(emulator::run(session, &Start::new(&self.image), world)?)
     }
 }

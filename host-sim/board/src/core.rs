@@ -2,7 +2,7 @@
 //!
 //! The emulator maps flash read-only into its core and drops stores to it. This wrapper leaves the two sectors out of the
 //! map, so that the core asks its bus for them, and answers there from [`crate::flash`]; everything else goes through
-//! unchanged. Neither the emulator nor the image is changed.
+//! unchanged. Neither the emulator nor the image is changed. A test can upset the core itself here ([`Upset`]).
 
 use rigless::emulator::{
     Access, AccessKind, BitAlias, Checked, CoreBus, CoreSpec, DataModel, Error, Exit, HaltReason, HostCall,
@@ -19,18 +19,86 @@ const FLASH_SR: u64 = 0x4002_3C0C;
 const CR_START: u64 = 1 << 16;
 const SR_BUSY: u64 = 1 << 16;
 
-/// The machine's core, with `flash` in it.
-pub fn with_flash(mut spec: CoreSpec, flash: Shared) -> CoreSpec {
+/// Something that upsets the core before its next instruction.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Upset {
+    /// It goes on at an address, with something in its first register.
+    Jump {
+        /// Address of the instruction.
+        to: u32,
+        /// What the first register holds.
+        r0: u32,
+    },
+    /// The stack pointer of thread mode is bent, once it is thread mode's turn.
+    Stack {
+        /// To here.
+        to: u32,
+    },
+    /// The non-maskable interrupt, which the emulator's clock security system does not raise.
+    NonMaskable,
+}
+
+/// Upsets the core, from outside.
+#[derive(Debug, Clone, Default)]
+pub struct Hand(std::sync::Arc<std::sync::Mutex<Option<Upset>>>);
+
+impl Hand {
+    /// Upsets it before its next instruction.
+    pub fn upset(&self, upset: Upset) {
+        *self.0.lock().unwrap_or_else(std::sync::PoisonError::into_inner) = Some(upset);
+    }
+
+    fn take(&self) -> Option<Upset> {
+        self.0.lock().unwrap_or_else(std::sync::PoisonError::into_inner).take()
+    }
+}
+
+/// The machine's core, with `flash` in it and within reach of `hand`.
+pub fn with_flash(mut spec: CoreSpec, flash: Shared, hand: Hand) -> CoreSpec {
     let plain = spec.processor.clone();
-    spec.processor =
-        std::sync::Arc::new(move |endian| Ok(Box::new(WithFlash { core: plain(endian)?, flash: flash.clone() })));
+    spec.processor = std::sync::Arc::new(move |endian| {
+        Ok(Box::new(WithFlash { core: plain(endian)?, flash: flash.clone(), hand: hand.clone() }))
+    });
     spec
 }
+
+/// Numbers of the registers as a debugger counts them, and the interrupt control and state register with its bit that
+/// pends the non-maskable interrupt.
+const R0: usize = 0;
+const SP: usize = 13;
+const PC: usize = 15;
+const ICSR: u64 = 0xE000_ED04;
+const NMI_PENDING: u64 = 1 << 31;
+/// Number of the exception that is being handled.
+const ACTIVE: u64 = 0x1FF;
 
 #[derive(Debug)]
 struct WithFlash {
     core: Box<dyn Processor>,
     flash: Shared,
+    hand: Hand,
+}
+
+impl WithFlash {
+    fn upset(&mut self, upset: Upset, now: VirtualNanos) {
+        match upset {
+            Upset::Jump { to, r0 } => {
+                self.core.set_gdb_register(R0, &r0.to_le_bytes());
+                self.core.set_gdb_register(PC, &to.to_le_bytes());
+            }
+            Upset::Stack { to } => {
+                let active = self.core.debugger_access(None, ICSR, Width::W32, now).unwrap_or_default() & ACTIVE;
+                if active == 0 {
+                    self.core.set_gdb_register(SP, &to.to_le_bytes());
+                } else {
+                    self.hand.upset(upset);
+                }
+            }
+            Upset::NonMaskable => {
+                self.core.debugger_access(Some(NMI_PENDING), ICSR, Width::W32, now);
+            }
+        }
+    }
 }
 
 /// The bus as the core sees it.
@@ -104,6 +172,10 @@ impl CoreBus for FlashBus<'_> {
 
 impl Processor for WithFlash {
     fn run(&mut self, budget: u32, bus: &mut dyn CoreBus) -> (Exit, u64) {
+        if let Some(upset) = self.hand.take() {
+            let now = bus.time(self.core.retired());
+            self.upset(upset, now);
+        }
         self.core.run(budget, &mut FlashBus { bus, flash: &self.flash })
     }
 

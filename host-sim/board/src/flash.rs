@@ -1,7 +1,7 @@
 //! The sectors of flash that the image programs.
 //!
 //! The emulator's model of the flash interface has the registers and the times of an erase, but drops what the firmware
-//! stores to the array. This is the array of the two sectors that hold the parameters, with the rules of RM0090 chapter
+//! stores to the array. This is the array of the sectors that hold parameters and events, with the rules of RM0090 chapter
 //! 3.6: programming clears bits and sets none, an erase sets all of a sector, and neither happens while the control
 //! register is locked, programming is not enabled, or an operation runs. A store that breaks a rule changes nothing and is
 //! counted.
@@ -14,9 +14,9 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use rigless::soc::Width;
 
-/// Where the array is in the address space: sectors 1 and 2.
-pub const ADDRESSES: Range<u64> = 0x0800_4000..0x0800_C000;
-/// Bytes of one of the two sectors.
+/// Where the array is in the address space: sectors 1 and 2 with the parameters, sector 3 with the event log.
+pub const ADDRESSES: Range<u64> = 0x0800_4000..0x0801_0000;
+/// Bytes of one of the sectors.
 pub const SECTOR_BYTES: usize = 0x4000;
 /// First of them in the flash interface's numbers.
 const FIRST_SECTOR: u64 = 1;
@@ -75,13 +75,14 @@ pub struct Array {
 impl Default for Array {
     /// Erased.
     fn default() -> Self {
-        Self::holding(vec![0xFF; 2 * SECTOR_BYTES])
+        Self::holding(Vec::new())
     }
 }
 
 impl Array {
-    /// As an earlier run left it.
-    pub fn holding(bytes: Vec<u8>) -> Self {
+    /// As an earlier run left it, erased where `bytes` say nothing.
+    pub fn holding(mut bytes: Vec<u8>) -> Self {
+        bytes.resize((ADDRESSES.end - ADDRESSES.start) as usize, 0xFF);
         Self { bytes, changes: Vec::new(), refused: 0 }
     }
 
@@ -172,7 +173,7 @@ mod tests {
         array.store(ADDRESSES.start, Width::W8, 0, ENABLED | CR_LOCK, 0);
         array.store(ADDRESSES.start, Width::W8, 0, ENABLED, SR_BUSY);
         array.store(ADDRESSES.start, Width::W32, 0, ENABLED, 0);
-        array.erase(CR_SECTOR_ERASE | 3 << 3);
+        array.erase(CR_SECTOR_ERASE | 4 << 3);
         array.erase(CR_SECTOR_ERASE);
         assert_eq!((array.bytes, array.refused), (Array::default().bytes, 6));
     }

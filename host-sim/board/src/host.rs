@@ -32,6 +32,11 @@ impl Host {
         self.waiting.insert(place, (at, command));
     }
 
+    /// Says hello, as another client would; what is sent from then on is of the session that is answered.
+    pub fn say_hello(&mut self, terminal: &mut Terminal, now: VirtualNanos) {
+        terminal.send(now, &self.client.send(Command::Hello).1);
+    }
+
     /// Sends what is due and reads what has come.
     pub fn attend(&mut self, terminal: &mut Terminal, now: VirtualNanos) {
         let heard: Vec<u8> = terminal.from_image.get(self.read..).map(<[u8]>::to_vec).unwrap_or_default();

@@ -16,7 +16,7 @@ use rigless::soc::stm32f427::peripherals::spi::Select;
 use rigless::time::VirtualNanos;
 
 use crate::chip::OnBus;
-use crate::core::with_flash;
+use crate::core::{Hand, with_flash};
 use crate::flash::Shared;
 use crate::terminal::Terminal;
 
@@ -49,15 +49,17 @@ pub struct ServoBoard {
     /// The MCU.
     pub mcu: Stm32f427,
     flash: Shared,
+    hand: Hand,
 }
 
 impl ServoBoard {
-    /// Everything soldered in and powered, with what `flash` holds in the sectors of the parameters.
+    /// Everything soldered in and powered, with what `flash` holds in the sectors of the parameters, and within reach of
+    /// `hand`.
     ///
     /// # Errors
     ///
     /// None that the code below can cause; whatever the emulator finds wrong with the part.
-    pub fn new(flash: Shared) -> Result<Self, Error> {
+    pub fn new(flash: Shared, hand: Hand) -> Result<Self, Error> {
         let mut mcu = Stm32f427::new()?;
         mcu.rcc.attach_crystals(Crystal(8_000_000).0, Crystal::NONE.0);
         mcu.set_supply(Supply(RAIL_MILLIVOLTS).0);
@@ -70,7 +72,7 @@ impl ServoBoard {
             mcu.spi[SPI2].attach_selected(OnBus::new(Dac::new(Part::Quad)), select("GPIOB", on_pb12));
         }
         mcu.usart[USART2].attach(Terminal::default());
-        Ok(Self { mcu, flash })
+        Ok(Self { mcu, flash, hand })
     }
 
     /// The resolver converter; `None` only if the board was not built by [`Self::new`].
@@ -149,7 +151,7 @@ impl Board for ServoBoard {
         };
         let windows = rigless::cpu::armv7m::windows(self.mcu.bus());
         let spec = core.spec_with_parts(&windows, armv7m::Fpu::FpV4Sp, armv7m::MpuRegions::Eight);
-        let spec = with_flash(spec, self.flash.clone());
+        let spec = with_flash(spec, self.flash.clone(), self.hand.clone());
         vec![Target::new("stm32f427", &mut self.mcu, spec)]
     }
 }

@@ -7,7 +7,7 @@ use std::time::Instant;
 use board::bench::{Error, Firmware};
 use board::rotor::Rotor;
 use board::rtt::Probe;
-use board::world::{INTERLOCK, STOP_RELEASED, World};
+use board::world::{AMPLIFIER_READY, INTERLOCK, STOP_RELEASED, World};
 use clap::Parser;
 use er_servo::experiment::{Experiment, Shape};
 use er_servo::link::Command;
@@ -55,9 +55,15 @@ fn run(arguments: &Arguments) -> Result<(), Error> {
     world.probe = Some(Probe { block: firmware.address("_SEGGER_RTT")?, bytes: Vec::new() });
     world.drive_at(VirtualNanos(0), INTERLOCK, true);
     world.drive_at(VirtualNanos(0), STOP_RELEASED, true);
+    world.drive_at(VirtualNanos(0), AMPLIFIER_READY, true);
     let experiment =
         Experiment { shape: Shape::Step { amplitude_rad: arguments.step_rad }, duration_s: arguments.seconds };
-    let commands = [Command::StartRecording { run: 1 }, Command::Enable, Command::Run(experiment), Command::Status];
+    let commands = [
+        Command::StartRecording { run: 1 },
+        Command::Enable { autonomous: true },
+        Command::Run { experiment, torque_bound_nm: 0, autonomous: true },
+        Command::Status,
+    ];
     for (nth, command) in (0_u64..).zip(commands) {
         world.link.at(VirtualNanos(READY_NS + nth * 10_000_000), command);
     }

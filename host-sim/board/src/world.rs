@@ -9,6 +9,7 @@ use rigless::emulator::{AccessKind, Driver, Host, Settled, Stop, Watch};
 use rigless::session::Session;
 use rigless::time::VirtualNanos;
 
+use crate::core::Hand;
 use crate::flash::Shared;
 use crate::host::Host as LinkHost;
 use crate::machine::{Port, ServoBoard};
@@ -31,6 +32,13 @@ const ADC1: std::ops::Range<u64> = 0x4001_2000..0x4001_2100;
 pub const INTERLOCK: (Port, u8) = (Port::C, 1);
 /// High: the stop is released.
 pub const STOP_RELEASED: (Port, u8) = (Port::C, 2);
+/// High: the motor's amplifier is ready.
+pub const AMPLIFIER_READY: (Port, u8) = (Port::C, 4);
+/// An edge in every tick; what it feeds is [`MONOSTABLE_NS`].
+const HEARTBEAT: (Port, u8) = (Port::C, 5);
+/// The monostable outside takes torque and high voltage off without an edge of the heartbeat for this long, ns (README, pin
+/// table).
+const MONOSTABLE_NS: u64 = 2_000_000;
 /// High: the high-voltage supply is on.
 pub const HV_ENABLE: (Port, u8) = (Port::C, 8);
 /// High: a fault is latched.
@@ -62,6 +70,8 @@ pub struct World {
     pub link: LinkHost,
     /// The sectors of flash that hold the parameters; they outlive the run.
     pub flash: Shared,
+    /// Upsets the core.
+    pub hand: Hand,
     /// The reader of the log; `None` when no probe is there.
     pub probe: Option<Probe>,
     /// Every write to the DAC's outputs, in order.
@@ -79,6 +89,12 @@ pub struct World {
     last_input: Option<u64>,
     /// When the reset pin is pulled, if ever.
     pub reset_at: Option<VirtualNanos>,
+    /// Field that a broken amplifier puts out whatever it is told, kV/mm.
+    pub stray_field_kv_mm: f64,
+    /// Last edge of the heartbeat.
+    beat_at: VirtualNanos,
+    /// The monostable has run out.
+    released: bool,
     script: VecDeque<(VirtualNanos, Act)>,
     until: VirtualNanos,
     pins: Pins,
@@ -100,6 +116,7 @@ struct Pins {
     ldac: bool,
     clear: bool,
     hv_enable: bool,
+    heartbeat: bool,
 }
 
 impl World {
@@ -109,6 +126,7 @@ impl World {
             rotor,
             link: LinkHost::default(),
             flash: Shared::default(),
+            hand: Hand::default(),
             probe: None,
             commands: Vec::new(),
             samples: Vec::new(),
@@ -118,6 +136,9 @@ impl World {
             law_instructions: Vec::new(),
             last_input: None,
             reset_at: None,
+            stray_field_kv_mm: 0.0,
+            beat_at: VirtualNanos(0),
+            released: true,
             script: VecDeque::new(),
             until,
             // Pins float low until the image makes outputs of them; the board's pull-downs say the same.
@@ -147,7 +168,7 @@ impl World {
             resolver.advance_to(now);
             resolver.chip.set_motion(self.rotor.angle_rad(), self.rotor.speed_rad_s());
         }
-        board.set_monitor(self.rotor.field_kv_mm());
+        board.set_monitor(self.rotor.field_kv_mm() + self.stray_field_kv_mm);
     }
 
     /// Carries the levels of the MCU's pins to the chips.
@@ -160,6 +181,7 @@ impl World {
             ldac: board.level(Port::C, 6),
             clear: board.level(Port::C, 7),
             hv_enable: board.level(Port::C, 8),
+            heartbeat: board.level(HEARTBEAT.0, HEARTBEAT.1),
         };
         let before = std::mem::replace(&mut self.pins, pins);
         if pins == before {
@@ -177,7 +199,13 @@ impl World {
             resolver.chip.set_pin(ResolverPin::Reset, pins.reset);
             resolver.chip.set_pin(ResolverPin::Sample, pins.sample);
         }
-        let loads = before.ldac && !pins.ldac || before.clear != pins.clear || before.hv_enable != pins.hv_enable;
+        let beats = before.heartbeat != pins.heartbeat;
+        if beats {
+            self.beat_at = now;
+        }
+        let starts = beats && std::mem::take(&mut self.released);
+        let loads =
+            starts || before.ldac && !pins.ldac || before.clear != pins.clear || before.hv_enable != pins.hv_enable;
         if let Some(dac) = board.dac() {
             dac.chip.set_pin(DacPin::Clear, pins.clear);
             dac.chip.set_pin(DacPin::Ldac, pins.ldac);
@@ -190,8 +218,8 @@ impl World {
     /// The outputs of the DAC act on the rotor from `now` on.
     fn take_commands(&mut self, board: &mut ServoBoard, now: VirtualNanos) {
         let Some(dac) = board.dac() else { return };
-        let hv_enable = self.pins.hv_enable;
-        let (codes, torque_nm) = (dac.chip.codes(), dac.chip.torque_nm());
+        let hv_enable = self.pins.hv_enable && !self.released;
+        let (codes, torque_nm) = (dac.chip.codes(), if self.released { 0.0 } else { dac.chip.torque_nm() });
         let field_kv_mm = if hv_enable { dac.chip.field_kv_mm() } else { 0.0 };
         self.rotor.advance_to(now.0 as f64 * 1e-9);
         self.rotor.command(torque_nm, field_kv_mm);
@@ -236,6 +264,10 @@ impl Driver<ServoBoard> for World {
             session.reset_by_pin(now, stop.instruction_count, host);
         }
         self.carry_pins(session.board_mut(), now);
+        if !self.released && now.0 > self.beat_at.0 + MONOSTABLE_NS {
+            self.released = true;
+            self.take_commands(session.board_mut(), now);
+        }
         if let Some(terminal) = session.board_mut().terminal() {
             self.link.attend(terminal, now);
         }

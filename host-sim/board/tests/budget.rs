@@ -9,9 +9,9 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use board::world::World;
 
-use common::{firmware, log, ms, world};
+use common::{ENABLE, firmware, log, ms, run_alone, world};
 use er_servo::Mode;
-use er_servo::experiment::{Experiment, Shape};
+use er_servo::experiment::Shape;
 use er_servo::link::Command;
 use object::{Object, ObjectSection, ObjectSymbol, SymbolKind};
 use rigless::soc::Width;
@@ -20,26 +20,43 @@ use wire::log::recordings;
 /// Instructions of the whole interrupt, waits for the buses included.
 const MOST_INSTRUCTIONS: u64 = 2500;
 
-/// The stack: all of the core-coupled memory, from the top down.
-const STACK: std::ops::Range<u64> = 0x1000_0000..0x1001_0000;
-/// Half of it: what a path that this run does not take may add.
-const MOST_STACK: u64 = 32 * 1024;
+/// The stacks of thread mode and of the handlers, all of the core-coupled memory, from their tops down.
+const STACKS: [std::ops::Range<u64>; 2] = [0x1000_0000..0x1000_C000, 0x1000_C000..0x1001_0000];
 /// Every mode and every experiment.
 const END_MS: f64 = 10_300.0;
 const PAINT: u64 = 0xA5A5_A5A5;
 
-/// Paints the stack before the first instruction, and measures at the end how much of the paint is gone.
-fn measure_stack(world: &mut World, end_ms: f64) -> Arc<AtomicU64> {
-    let used = Arc::new(AtomicU64::new(0));
+/// Paints the stacks before the first instruction, and measures at the end how much of the paint is gone from each.
+fn measure_stacks(world: &mut World, end_ms: f64) -> [Arc<AtomicU64>; 2] {
+    let used: [Arc<AtomicU64>; 2] = Default::default();
     let result = used.clone();
     world.at(ms(0.0), |_, _, host, _| {
-        STACK.step_by(4).for_each(|address| host.write(address, Width::W32, PAINT).unwrap());
+        let words = STACKS.iter().flat_map(|stack| stack.clone().step_by(4));
+        words.for_each(|address| host.write(address, Width::W32, PAINT).unwrap());
     });
     world.at(ms(end_ms - 1.0), move |_, _, host, _| {
-        let deepest = STACK.step_by(4).find(|address| host.read(*address, Width::W32).unwrap() != PAINT);
-        result.store(STACK.end - deepest.unwrap(), Ordering::Relaxed);
+        for (stack, used) in STACKS.iter().zip(&result) {
+            let mut words = stack.clone().step_by(4);
+            let deepest = words.find(|address| host.read(*address, Width::W32).unwrap() != PAINT);
+            used.store(stack.end - deepest.unwrap(), Ordering::Relaxed);
+        }
     });
     used
+}
+
+/// From the falling edge of SAMPLE to the change of the outputs that follows from it, shortest first; of every tick but those
+/// of the start.
+fn sample_to_output_ns(run: &common::Run) -> Vec<u64> {
+    let commands = &run.driver.commands;
+    let after = |sample: u64| {
+        let at = commands.partition_point(|command| command.at.0 <= sample);
+        commands.get(at).map(|command| command.at.0 - sample)
+    };
+    let mut delays: Vec<u64> = run.driver.samples.iter().skip(100).filter_map(|sample| after(sample.0)).collect();
+    // The last sample's outputs may come after the end.
+    delays.retain(|delay| *delay < 400_000);
+    delays.sort_unstable();
+    delays
 }
 
 /// The functions of an image: address to name, size, and code.
@@ -163,7 +180,7 @@ fn the_tick_reaches_no_panic_and_no_double_precision() {
 fn the_tick_keeps_its_budget_in_every_mode() {
     let (firmware, code) = (firmware(), Code::read());
     let mut world = world(&firmware, END_MS);
-    let stack = measure_stack(&mut world, END_MS);
+    let stacks = measure_stacks(&mut world, END_MS);
     let handler = code.at("TIM2");
     let returns = code.returns(handler);
     world.watch = returns.iter().copied().chain([handler]).collect();
@@ -175,9 +192,9 @@ fn the_tick_keeps_its_budget_in_every_mode() {
         Shape::Ramp { speed_rad_s: 1.0, travel_rad: 0.5 },
     ];
     world.link.at(ms(90.0), Command::StartRecording { run: 1 });
-    world.link.at(ms(100.0), Command::Enable);
+    world.link.at(ms(100.0), ENABLE);
     for (nth, shape) in shapes.into_iter().enumerate() {
-        world.link.at(ms(120.0 + 2000.0 * nth as f64), Command::Run(Experiment { shape, duration_s: 1.95 }));
+        world.link.at(ms(120.0 + 2000.0 * nth as f64), run_alone(shape, 1.95));
     }
     let run = firmware.run(world).unwrap();
 
@@ -204,9 +221,17 @@ fn the_tick_keeps_its_budget_in_every_mode() {
     println!("{} ticks: median {median}, worst {worst} instructions of {MOST_INSTRUCTIONS}", instructions.len());
     println!("of which the law: median {}, worst {}", law[law.len() / 2], law[law.len() - 1]);
     println!("RTT: {:.1} bytes a tick; {} frames lost", bytes as f64 / recording.frames.len() as f64, recording.lost());
-    let stack = stack.load(Ordering::Relaxed);
-    println!("stack: {stack} of {} bytes at its deepest", STACK.end - STACK.start);
-    assert!((256..=MOST_STACK).contains(&stack), "stack {stack} bytes");
+    for ((name, stack), used) in ["thread mode", "handlers"].iter().zip(&STACKS).zip(&stacks) {
+        let (used, size) = (used.load(Ordering::Relaxed), stack.end - stack.start);
+        println!("stack of {name}: {used} of {size} bytes at its deepest");
+        // Half of it is for what a path that this run does not take may add.
+        assert!((64..=size / 2).contains(&used), "stack of {name}: {used} bytes");
+    }
+    let delays_ns = sample_to_output_ns(&run);
+    let (least, most) = (delays_ns[0], delays_ns[delays_ns.len() - 1]);
+    println!("SAMPLE to the outputs: {least} to {most} ns, at one instruction a cycle");
+    // What the loop's delay may vary by, unseen: a fiftieth of the period.
+    assert!(most - least <= 10_000, "{least} to {most} ns");
     assert_eq!(recording.lost(), 0);
     assert!(worst <= MOST_INSTRUCTIONS, "worst tick {worst} instructions");
 }

@@ -6,12 +6,15 @@ mod common;
 use std::collections::BTreeSet;
 use std::f64::consts::TAU;
 
+use board::flash::{Array, Shared};
 use board::world::INTERLOCK;
-use common::{events, firmware, log, ms, world};
+use common::{ENABLE, events, firmware, log, ms, run_alone, world};
 use er_servo::drivers::scaling::{FieldCode, TorqueCode};
+use er_servo::events::Event;
 use er_servo::experiment::{Experiment, Shape};
-use er_servo::link::{Answer, Command};
-use er_servo::{Params, Supervisor, step};
+use er_servo::link::{Answer, Command, Refusal};
+use er_servo::parameters::TABLE;
+use er_servo::{Config, Counts, Faults, Frame, Mode, Params, State, Supervisor, step};
 use wire::log::recordings;
 
 /// 120 pole pairs of 12 bit.
@@ -40,7 +43,7 @@ fn refuses_to_enable_with_the_interlock_open() {
     let firmware = firmware();
     let mut world = world(&firmware, 300.0);
     world.drive_at(ms(1.0), INTERLOCK, false);
-    world.link.at(ms(150.0), Command::Enable);
+    world.link.at(ms(150.0), ENABLE);
     world.link.at(ms(250.0), Command::Status);
     let run = firmware.run(world).unwrap();
     assert_eq!(run.driver.link.status().unwrap().state, 1);
@@ -51,10 +54,10 @@ fn refuses_to_enable_with_the_interlock_open() {
 fn a_step_response_of_two_seconds_is_that_of_the_host_to_the_bit() {
     let firmware = firmware();
     let mut world = world(&firmware, 2400.0);
-    let step_up = Experiment { shape: Shape::Step { amplitude_rad: std::f32::consts::FRAC_PI_6 }, duration_s: 2.0 };
+    let step_up = run_alone(Shape::Step { amplitude_rad: std::f32::consts::FRAC_PI_6 }, 2.0);
     world.link.at(ms(100.0), Command::StartRecording { run: 42 });
-    world.link.at(ms(150.0), Command::Enable);
-    world.link.at(ms(160.0), Command::Run(step_up));
+    world.link.at(ms(150.0), ENABLE);
+    world.link.at(ms(160.0), step_up);
     world.link.at(ms(2300.0), Command::StopRecording);
     world.link.at(ms(2320.0), Command::Status);
     let run = firmware.run(world).unwrap();
@@ -101,4 +104,131 @@ fn written_in(run: &common::Run, seq: u32) -> [u16; 2] {
     let sample = run.driver.samples[seq as usize + 2];
     let at = run.driver.commands.partition_point(|command| command.at <= sample);
     run.driver.commands[at..].iter().find(|command| command.at > sample).unwrap().codes
+}
+
+/// What differs between the three sets: the defaults; soft gains with a slow filter and a brake that holds; stiff gains
+/// without a brake and a field that saturates.
+const SETS: [&[(&str, f32)]; 3] = [
+    &[],
+    &[("kp_nm_rad", 120.0), ("kd_nm_s_rad", 5.0), ("speed_filter_s", 0.003), ("near_rad", 0.05), ("hold", 1.0)],
+    &[("kp_nm_rad", 270.0), ("kd_nm_s_rad", 7.5), ("er_a", 0.03), ("field_limit_kv_mm", 2.5), ("near_rad", 0.0)],
+];
+const SHAPE_S: f32 = 0.6;
+
+fn shapes() -> [Shape; 5] {
+    [
+        Shape::Step { amplitude_rad: 0.5 },
+        Shape::Steps { amplitude_rad: 0.4, dwell_s: 0.15, seed: 7 },
+        Shape::Multisine { amplitude_rad: 0.1, low_hz: 1.0, high_hz: 12.0, tones: 16 },
+        Shape::Chirp { amplitude_rad: 0.15, from_hz: 1.0, to_hz: 10.0 },
+        Shape::Ramp { speed_rad_s: 1.0, travel_rad: 0.25 },
+    ]
+}
+
+/// The references of the frames must be those of the host's own sequence, from where the reference was before.
+fn assert_follows(frames: &[Frame], shape: Shape, period_s: f32) {
+    let sequence: Vec<Counts> = Experiment { shape, duration_s: SHAPE_S }.start(period_s).unwrap().collect();
+    let reference = |at: usize| frames[at].inputs.reference.0;
+    let found = (1..frames.len() - sequence.len()).find(|start| {
+        let base = reference(start - 1);
+        sequence.iter().enumerate().all(|(nth, offset)| reference(start + nth) == base + offset.0)
+    });
+    assert!(found.is_some(), "{shape:?} is not the host's");
+}
+
+#[test]
+fn every_shape_and_mode_is_that_of_the_host_to_the_bit_under_three_sets_of_parameters() {
+    let firmware = firmware();
+    for set in SETS {
+        let mut world = world(&firmware, 150.0 + 700.0 * 5.0 + 60.0);
+        let mut at = 75.0;
+        let mut tell = |command, wait_ms: f64| {
+            world.link.at(ms(at), command);
+            at += wait_ms;
+        };
+        for (name, value) in set {
+            let index = TABLE.iter().position(|parameter| parameter.name == *name).unwrap() as u8;
+            tell(Command::WriteParameter { index, value: *value }, 1.5);
+        }
+        tell(Command::Apply { force: true }, 1.5);
+        tell(Command::StartRecording { run: 1 }, 3.0);
+        tell(ENABLE, 5.0);
+        shapes().into_iter().for_each(|shape| tell(run_alone(shape, SHAPE_S), 700.0));
+        // In motion, for the controlled stop.
+        tell(run_alone(Shape::Step { amplitude_rad: 0.5 }, 1.0), 30.0);
+        tell(Command::Disable, 0.0);
+        let run = firmware.run(world).unwrap();
+        assert!(run.driver.link.replies.iter().all(|(_, reply)| !matches!(reply.answer, Answer::Refused(_))));
+
+        let log = log(&run);
+        let recordings = recordings(&log);
+        let recording = &recordings[0];
+        let mut expected = Config::default();
+        for (name, value) in set {
+            (TABLE.iter().find(|parameter| parameter.name == *name).unwrap().set)(&mut expected, *value);
+        }
+        assert_eq!((recording.begin.config, recording.lost()), (expected, 0));
+        let params = Params::new(&expected).unwrap();
+        let mut state: State = recording.begin.state;
+        for frame in &recording.frames {
+            let outputs = step(&params, &mut state, &frame.inputs);
+            assert_eq!(outputs, frame.outputs, "tick {}", frame.seq);
+            assert_eq!(outputs.torque_nm.to_bits(), frame.outputs.torque_nm.to_bits(), "tick {}", frame.seq);
+            assert_eq!(outputs.field_kv_mm.to_bits(), frame.outputs.field_kv_mm.to_bits(), "tick {}", frame.seq);
+        }
+        shapes().iter().for_each(|shape| assert_follows(&recording.frames, *shape, expected.period_s));
+        let modes = [Mode::Off, Mode::Damper, Mode::Brake];
+        let running = recording.frames.iter().filter(|frame| frame.outputs.supervisor == Supervisor::Running);
+        let seen = modes.map(|mode| running.clone().filter(|frame| frame.outputs.mode == mode).count());
+        let stopping = |frame: &&Frame| matches!(frame.outputs.supervisor, Supervisor::Stopping { .. });
+        let stops = recording.frames.iter().filter(stopping).count();
+        println!("{set:?}: {} ticks to the bit, modes {seen:?}, {stops} of a stop", recording.frames.len());
+        assert!(seen[0] > 0 && seen[1] > 0 && (seen[2] > 0 || expected.near_rad == 0.0) && stops > 3);
+    }
+}
+
+#[test]
+fn a_fault_is_in_flash_and_is_told_after_the_power_was_off() {
+    let firmware = firmware();
+    let mut world = world(&firmware, 140.0);
+    let flash = world.flash.clone();
+    world.link.at(ms(76.0), ENABLE);
+    world.drive_at(ms(90.0), INTERLOCK, false);
+    world.drive_at(ms(95.0), INTERLOCK, true);
+    world.link.at(ms(100.0), Command::ClearFault);
+    world.link.at(ms(135.0), Command::Event { back: 0 });
+    let first = event(&firmware.run(world).unwrap()).unwrap();
+    assert_eq!((first.number, first.faults()), (0, Faults::INTERLOCK_OPEN));
+    assert!((45..60).contains(&first.at_ms), "{} ms after the first tick", first.at_ms);
+
+    // The same flash in another run: the power was off.
+    let bytes = flash.lock().bytes.clone();
+    let mut world = common::world(&firmware, 90.0);
+    world.flash = Shared::new(Array::holding(bytes));
+    world.link.at(ms(80.0), Command::Event { back: 0 });
+    let run = firmware.run(world).unwrap();
+    assert_eq!(event(&run), Some(first));
+    assert_eq!(run.driver.flash.lock().refused, 0, "every store keeps the rules of the flash interface");
+}
+
+fn event(run: &common::Run) -> Option<Event> {
+    let answers = run.driver.link.replies.iter().rev().map(|(_, reply)| reply.answer);
+    answers.into_iter().find_map(|answer| if let Answer::Event(event) = answer { event } else { None })
+}
+
+#[test]
+fn clears_in_a_row_do_not_starve_the_watchdog() {
+    let firmware = firmware();
+    let mut world = world(&firmware, 500.0);
+    world.link.at(ms(76.0), ENABLE);
+    world.at(ms(90.0), |_, board, _, _| board.resolver().unwrap().chip.raise_faults(0x40));
+    // Each brings the chips up again, which takes 45 ms, in vain.
+    for nth in 0..5 {
+        world.link.at(ms(100.0 + 0.01 * f64::from(nth)), Command::ClearFault);
+    }
+    let run = firmware.run(world).unwrap();
+    assert!(run.session.resets().is_empty(), "{:?}", run.session.resets());
+    let answers =
+        run.driver.link.replies.iter().filter(|(_, reply)| reply.answer == Answer::Refused(Refusal::Hardware));
+    assert_eq!(answers.count(), 5, "{:?}", run.driver.link.replies);
 }

@@ -10,9 +10,9 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use board::bench::Firmware;
 use board::flash::{Array, Change, SECTOR_BYTES, Shared};
 use board::world::World;
+use common::flash::OnHost;
 use common::{firmware, ms};
 use embassy_futures::block_on;
-use embedded_storage_async::nor_flash::{ErrorType, NorFlash, ReadNorFlash};
 use er_servo::link::{Answer, Command};
 use er_servo::parameters::TABLE;
 use er_servo::storage::StorageError;
@@ -65,50 +65,14 @@ fn save(firmware: &Firmware, bytes: Vec<u8>, set: Set, end_ms: f64) -> Array {
     let commands = [
         Command::WriteParameter { index: index("kp_nm_rad"), value: set.0 },
         Command::WriteParameter { index: index("kd_nm_s_rad"), value: set.1 },
-        Command::Apply,
+        // Whatever margins such gains have.
+        Command::Apply { force: true },
         Command::Save,
     ];
     let (answers, array) = run(firmware, bytes, &commands, end_ms);
     assert_eq!(answers, [Answer::Done; 4], "{set:?}");
     assert_eq!(array.refused, 0, "every store and erase keeps the rules of the flash interface");
     array
-}
-
-/// A flash of the image's geometry.
-struct OnHost<'a>(&'a mut Vec<u8>);
-
-impl ErrorType for OnHost<'_> {
-    type Error = core::convert::Infallible;
-}
-
-impl ReadNorFlash for OnHost<'_> {
-    const READ_SIZE: usize = 1;
-
-    async fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), Self::Error> {
-        bytes.copy_from_slice(&self.0[offset as usize..][..bytes.len()]);
-        Ok(())
-    }
-
-    fn capacity(&self) -> usize {
-        LENGTH
-    }
-}
-
-impl NorFlash for OnHost<'_> {
-    const WRITE_SIZE: usize = 4;
-    const ERASE_SIZE: usize = SECTOR_BYTES;
-
-    async fn erase(&mut self, from: u32, to: u32) -> Result<(), Self::Error> {
-        self.0[from as usize..to as usize].fill(0xFF);
-        Ok(())
-    }
-
-    async fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), Self::Error> {
-        for (cell, byte) in self.0[offset as usize..].iter_mut().zip(bytes) {
-            *cell &= byte;
-        }
-        Ok(())
-    }
 }
 
 /// A flash with both sectors written, into which exactly one more set fits before a sector has to be erased.
@@ -174,7 +138,7 @@ fn a_saved_set_is_there_after_a_restart() {
     assert_eq!(comes_up_with(&firmware, empty.clone()), (defaults.kp_nm_rad, defaults.kd_nm_s_rad));
     let array = save(&firmware, empty, (250.0, 7.5), 700.0);
     assert_eq!(comes_up_with(&firmware, array.bytes), (250.0, 7.5));
-    // What is no set at all gives the built-in one, and can be saved over.
+    // What is no set at all gives the built-in one in the fault state, and can be saved over.
     let array = save(&firmware, vec![0; LENGTH], (251.0, 7.25), 700.0);
     assert_eq!(comes_up_with(&firmware, array.bytes), (251.0, 7.25));
 }

@@ -55,7 +55,7 @@ fuzz_target!(|bytes: &[u8]| {
     let persistence = Persistence { patience: Duration::from_micros(20), attempts: 2 };
     let Ok(mut connection) = Connection::open(stranger, persistence) else { return };
     let _ = connection.status().map_err(|error| error.to_string());
-    let _ = connection.tell(Command::Enable).map_err(|error| error.to_string());
+    let _ = connection.tell(Command::Enable { autonomous: true }).map_err(|error| error.to_string());
     let _ = connection.parameter("kp_nm_rad").map_err(|error| error.to_string());
-    let _ = connection.set_parameters(&[("kp_nm_rad", 300.0)]).map_err(|error| error.to_string());
+    let _ = connection.set_parameters(&[("kp_nm_rad", 250.0)], false).map_err(|error| error.to_string());
 });

@@ -11,13 +11,13 @@ mod drive;
 mod log;
 
 use drive::Machine;
-use er_servo::link::{Answer, Command, Drive, PACKET_BYTES, Packet, Reply, Server, encode};
+use er_servo::link::{Answer, Command, Drive, PACKET_BYTES, Packet, ParameterSource, Reply, Server, encode};
 use er_servo::{Config, FIELD_CEILING_KV_MM, Faults, Params, TORQUE_CEILING_NM};
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|bytes: &[u8]| {
     let mut machine = Machine::ready(None);
-    let mut server = Server::new(Config::default());
+    let mut server = Server::new(Config::default(), ParameterSource::BuiltIn);
     let Some((kind, mut rest)) = bytes.split_first() else { return };
     if kind % 2 == 0 {
         let ends = rest.iter().filter(|byte| **byte == 0).count() as u32;

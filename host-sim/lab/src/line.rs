@@ -56,7 +56,7 @@ impl Line {
                 let port = serialport::new(port, *baud).timeout(READ).open_native();
                 Ok(Box::new(port.map_err(|error| Error::connection(&self.to_string(), error))?))
             }
-            Self::Tcp(address) => Ok(Box::new(tcp(address)?)),
+            Self::Tcp(address) => Ok(Box::new(tunnel(address)?)),
         }
     }
 
@@ -77,6 +77,20 @@ impl Line {
             other => Error::connection(&self.to_string(), other),
         }
     }
+}
+
+/// A TCP connection to this very machine: the link neither encrypts nor asks who is there.
+fn tunnel(address: &str) -> Result<TcpStream, Error> {
+    let stream = tcp(address)?;
+    let peer = stream.peer_addr().map_err(|error| Error::connection(address, error))?;
+    if peer.ip().is_loopback() {
+        return Ok(stream);
+    }
+    Err(Error::Usage(format!(
+        "{address}: is another machine, and the link neither encrypts nor asks who is there: tunnel it \
+         (ssh -L {port}:127.0.0.1:{port} HOST) and connect to 127.0.0.1:{port}",
+        port = peer.port()
+    )))
 }
 
 /// A TCP connection whose reads and writes give up.

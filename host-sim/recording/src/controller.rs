@@ -20,6 +20,9 @@ pub(super) fn controller_config(section: &Section<'_, '_>, pairs: &[Pair]) -> Re
         let key = match &error {
             ConfigError::OutOfRange { parameter, .. } => parameter.name,
             ConfigError::NearTooSmall { .. } => "near_rad",
+            ConfigError::Positions { .. } => "position_min_rad",
+            ConfigError::BuiltIn { name, .. } => name,
+            ConfigError::Unstable(_) => "kp_nm_rad",
         };
         let span = pairs.iter().find(|pair| pair.key == key).map_or(section.span(), |pair| &pair.span);
         section.error(span, key, error.to_string())

@@ -6,8 +6,8 @@ use wire::log::{Begin, Entry, Image, Recording as Run, recordings};
 
 use crate::{AxisKind, Mode, Recording};
 
-/// Bit of the column `fault` for a tick in which the drive was not running (boot or ready); below it are the latched
-/// faults, [`er_servo::Faults`].
+/// Bit of the column `fault` for a tick in which the drive did not follow its reference (boot, ready or stopping); the other
+/// bits are the latched faults, [`er_servo::Faults`].
 pub const NOT_RUNNING: u32 = 1 << 16;
 
 /// The runs of a log.
@@ -72,7 +72,7 @@ pub fn recording(name: &str, begin: &Begin, frames: &[Frame]) -> Recording {
 }
 
 fn fault(frame: &Frame) -> u32 {
-    let latched = u32::from(frame.outputs.supervisor.faults().bits());
+    let latched = frame.outputs.supervisor.faults().bits();
     match frame.outputs.supervisor {
         Supervisor::Running => latched,
         _ => latched | NOT_RUNNING,

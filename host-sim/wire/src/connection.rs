@@ -5,6 +5,7 @@
 use std::io::{ErrorKind, Read, Write};
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
+use er_servo::events::Event;
 use er_servo::link::{Answer, Command, PROTOCOL, Refusal, Status};
 use er_servo::parameters::{Parameter, TABLE};
 use er_servo::{Config, Params};
@@ -100,6 +101,8 @@ pub struct Connection<S> {
     bytes: usize,
     /// Which image the drive runs.
     pub build: Build,
+    /// Another client commands the drive: it may be read and stopped.
+    pub observer: bool,
     parameters: u8,
 }
 
@@ -113,20 +116,27 @@ impl<S: Read + Write> Connection<S> {
         // Answers to a client before this one may still be on their way. Half the range is left, so as not to wrap.
         let clock = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
         let client = Client::after(clock.as_millis() as u32 & u32::MAX >> 1);
-        let mut connection = Self { stream, client, persistence, bytes: 0, build: Build::default(), parameters: 0 };
+        let build = Build::default();
+        let mut connection = Self { stream, client, persistence, bytes: 0, build, observer: false, parameters: 0 };
         let (answer, attempts) = connection.converse(Command::Hello)?;
-        let Answer::Hello { protocol, parameters, build, .. } = answer else {
+        let Answer::Hello { protocol, parameters, build, observer, .. } = answer else {
             return Err(LinkError::Unexpected { command: Command::Hello, answer: Box::new(answer) });
         };
         if protocol != PROTOCOL {
             return Err(LinkError::Protocol { drive: protocol });
         }
-        (connection.build, connection.parameters) = (build, parameters);
+        (connection.build, connection.parameters, connection.observer) = (build, parameters, observer);
         if attempts > 1 {
             // Each hello opens a session of its own: the last one to be answered is the one that holds.
             connection.listen(None, persistence.patience)?;
         }
         Ok(connection)
+    }
+
+    /// Ends the session, so that another client need not wait until this one is silent. Nobody minds a drive that no longer
+    /// answers.
+    pub fn close(&mut self) {
+        let _ = self.tell(Command::Bye);
     }
 
     /// Asks, and waits for the answer.
@@ -165,6 +175,19 @@ impl<S: Read + Write> Connection<S> {
         }
     }
 
+    /// The newest fault of the event log but `back`; none where there are fewer.
+    ///
+    /// # Errors
+    ///
+    /// A refusal, or no answer.
+    pub fn event(&mut self, back: u8) -> Result<Option<Event>, LinkError> {
+        let command = Command::Event { back };
+        match self.ask(command)? {
+            Answer::Event(event) => Ok(event),
+            answer => Err(LinkError::Unexpected { command, answer: Box::new(answer) }),
+        }
+    }
+
     /// The staged value of a parameter, by its name; at the start of a session that of the law.
     ///
     /// # Errors
@@ -191,12 +214,12 @@ impl<S: Read + Write> Connection<S> {
     }
 
     /// Writes parameters by name and makes them those of the law, all or none: names, ranges and whether they fit the others
-    /// are checked before the first is sent.
+    /// are checked before the first is sent. With `force` even if the loop would be unstable.
     ///
     /// # Errors
     ///
     /// A parameter that cannot be, a refusal, no answer, or a drive with other parameters.
-    pub fn set_parameters(&mut self, values: &[(&str, f32)]) -> Result<(), LinkError> {
+    pub fn set_parameters(&mut self, values: &[(&str, f32)], force: bool) -> Result<(), LinkError> {
         let found = values.iter().map(|(name, value)| {
             let (index, parameter) = parameter::find(name)?;
             parameter::check(parameter, *value)?;
@@ -207,11 +230,11 @@ impl<S: Read + Write> Connection<S> {
         for (_, parameter, value) in &found {
             (parameter.set)(&mut config, *value);
         }
-        Params::new(&config).map_err(ParameterError::Combination)?;
+        Params::for_image(&config, force).map_err(ParameterError::Combination)?;
         for (index, _, value) in found {
             self.tell(Command::WriteParameter { index, value })?;
         }
-        self.tell(Command::Apply)
+        self.tell(Command::Apply { force })
     }
 
     fn read(&mut self, index: u8) -> Result<f32, LinkError> {

@@ -7,8 +7,9 @@ use crate::root;
 use crate::run::{cargo, run};
 use crate::toolchain::{TARGET, Toolchain};
 
-/// Flash the image may take, bytes.
-const FLASH_BUDGET: u64 = 64 * 1024;
+/// Flash the image may take, bytes: what was agreed when homing, supervision, controlled stops and the event log came in
+/// (64 KiB before).
+const FLASH_BUDGET: u64 = 80 * 1024;
 
 /// A built image.
 #[derive(Debug)]
@@ -35,7 +36,10 @@ pub fn build() -> Result<Image, String> {
     let root = root();
     let target_dir = root.join("target/firmware");
     let toolchain = Toolchain::find(&root)?;
-    run(toolchain.cargo(&root, &target_dir, &["build", "--release", "--bin", "er-servo"]))?;
+    let mut command = toolchain.cargo(&root, &target_dir, &["build", "--release", "--bin", "er-servo"]);
+    // Calls across crates in the tick cost some 100 instructions; not in the manifest, where every host build would pay.
+    command.env("CARGO_PROFILE_RELEASE_LTO", "fat");
+    run(command)?;
     let elf = target_dir.join(TARGET).join("release/er-servo");
     let image = Image::read(elf)?;
     let flash = image.flash_bytes();

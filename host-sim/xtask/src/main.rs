@@ -7,6 +7,7 @@ use clap::{Parser, Subcommand};
 
 mod firmware;
 mod fuzz;
+mod option_bytes;
 mod run;
 mod test;
 mod toolchain;
@@ -25,7 +26,12 @@ enum Command {
     /// first failure.
     Test,
     /// Builds the release image for the STM32F427 and prints what it takes of flash and RAM.
-    Firmware,
+    Firmware {
+        /// Reads the option bytes of the part on the probe, and says what of them does not fit a drive; halts the core for a
+        /// moment, so with the drive disabled.
+        #[arg(long)]
+        check: bool,
+    },
     /// Runs the release image on the emulated board with the plant behind its pins.
     Board {
         /// What follows goes to the emulated board; `--help` lists it.
@@ -51,7 +57,8 @@ enum Command {
 fn main() -> ExitCode {
     let outcome = match Cli::parse().command {
         Command::Test => test::all(),
-        Command::Firmware => firmware::build().map(|image| image.print()),
+        Command::Firmware { check: true } => option_bytes::check(),
+        Command::Firmware { check: false } => firmware::build().map(|image| image.print()),
         Command::Board { arguments } => firmware::board(&arguments),
         Command::Fuzz { target: Some(target), seconds } => fuzz::for_seconds(&target, seconds),
         Command::Fuzz { target: None, .. } => fuzz::bounded().and_then(|()| fuzz::sweep()),

@@ -209,7 +209,7 @@ pub fn record(name: &str, rows: &[Row]) -> Recording {
         field_meas_kv_mm: None,
         temperature_c: None,
         seq: Some((0..rows.len() as u64).collect()),
-        fault: Some(rows.iter().map(|row| u32::from(row.outputs.supervisor.faults().bits())).collect()),
+        fault: Some(rows.iter().map(|row| row.outputs.supervisor.faults().bits()).collect()),
         counts: Some(rows.iter().map(|row| i64::from(row.outputs.position.0)).collect()),
         gaps: Vec::new(),
         extra: Vec::new(),

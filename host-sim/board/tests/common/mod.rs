@@ -1,13 +1,17 @@
 //! What every test on the emulated board begins with: the release image, and a world in which nothing is wrong.
 #![allow(dead_code, clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+pub mod flash;
+
 use std::path::{Path, PathBuf};
 
 use board::bench::Firmware;
 use board::machine::ServoBoard;
 use board::rotor::Rotor;
 use board::rtt::Probe;
-use board::world::{INTERLOCK, STOP_RELEASED, World};
+use board::world::{AMPLIFIER_READY, INTERLOCK, STOP_RELEASED, World};
+use er_servo::experiment::{Experiment, Shape};
+use er_servo::link::Command;
 use rigless::emulator::Finished;
 use rigless::time::VirtualNanos;
 use wire::log::{Entry, Image};
@@ -31,12 +35,21 @@ pub fn ms(ms: f64) -> VirtualNanos {
     VirtualNanos((ms * 1e6) as u64)
 }
 
-/// Interlock closed, stop released, a probe that reads the log; ends after so many milliseconds.
+/// An enable that needs no link afterwards.
+pub const ENABLE: Command = Command::Enable { autonomous: true };
+
+/// An experiment that needs no link meanwhile.
+pub fn run_alone(shape: Shape, duration_s: f32) -> Command {
+    Command::Run { experiment: Experiment { shape, duration_s }, torque_bound_nm: 0, autonomous: true }
+}
+
+/// Interlock closed, stop released, amplifier ready, a probe that reads the log; ends after so many milliseconds.
 pub fn world(firmware: &Firmware, end_ms: f64) -> World {
     let mut world = World::new(Rotor::paper(0.0123).unwrap(), ms(end_ms));
     world.probe = Some(Probe { block: firmware.address("_SEGGER_RTT").unwrap(), bytes: Vec::new() });
     world.drive_at(ms(0.0), INTERLOCK, true);
     world.drive_at(ms(0.0), STOP_RELEASED, true);
+    world.drive_at(ms(0.0), AMPLIFIER_READY, true);
     world
 }
 

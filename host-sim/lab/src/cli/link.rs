@@ -1,20 +1,18 @@
 //! `servo-lab link`.
 
+mod drive;
 mod experiment;
 mod status;
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use er_servo::Counts;
-use er_servo::link::{BAUD, Command, Status};
-use er_servo::parameters::{Parameter, TABLE};
-use wire::connection::{Connection, LinkError};
+use er_servo::link::{self, BAUD, Command, Pace};
+use wire::connection::Connection;
 use wire::parameter::{check, find};
 
-use crate::decode::parameter_line;
-use crate::interrupt::Interrupt;
+use crate::Error;
 use crate::line::{Line, Stream};
-use crate::{Error, output};
 
 /// Flags of `link`.
 #[derive(Debug, clap::Args)]
@@ -32,7 +30,7 @@ struct Place {
     /// Serial port of the drive, as the system names it.
     #[arg(long, value_name = "PORT")]
     port: Option<String>,
-    /// Address of something that passes bytes on to the drive's port.
+    /// Address on this machine of a tunnel that passes bytes on to the drive's port.
     #[arg(long, value_name = "HOST:PORT")]
     tcp: Option<String>,
 }
@@ -63,25 +61,41 @@ enum Action {
         #[arg(long)]
         json: bool,
     },
-    /// Start the drive.
-    Enable,
-    /// Stop the drive.
+    /// Print the last faults that the drive has kept in its flash, the newest first.
+    Events,
+    /// Start the drive, and keep the link alive until Ctrl-C or --for-s; then stop it.
+    Enable(Stay),
+    /// Stop the drive: brake the axis to rest, then everything off.
     Disable,
     /// Leave the fault state, once its cause is gone.
     Clear,
-    /// Send the reference there, and keep the link alive until Ctrl-C or --for-s; then it stays there.
+    /// Call the place where the axis stands 0.
+    Home,
+    /// Call the place where the axis stands by another position.
+    SetPosition(Target),
+    /// Send the reference there, and keep the link alive until Ctrl-C or --for-s; then stop the drive.
     Reference {
         #[command(flatten)]
         target: Target,
-        /// For how long to keep the link alive, s.
-        #[arg(long, value_name = "SECONDS", value_parser = seconds)]
-        for_s: Option<Duration>,
+        /// Count from where the reference was going, not from 0; needs no homed axis.
+        #[arg(long)]
+        relative: bool,
+        /// Highest speed, rad/s; without it, and at most, speed_limit_rad_s.
+        #[arg(long, value_name = "RAD_S", default_value_t = 0.0)]
+        speed: f32,
+        /// Acceleration, rad/s2; without it, and at most, acceleration_limit_rad_s2.
+        #[arg(long, value_name = "RAD_S2", default_value_t = 0.0)]
+        accel: f32,
+        /// Greatest torque, whole N m; without it, torque_limit_nm.
+        #[arg(long, value_name = "NM", default_value_t = 0)]
+        max_torque_nm: u8,
+        #[command(flatten)]
+        stay: Stay,
     },
-    /// Leave the reference where it is; ends an experiment.
-    Hold,
-    /// Run an experiment of the image from where the axis stands.
-    #[command(subcommand)]
-    Run(experiment::Shape),
+    /// Let the reference slow down and stay; ends an experiment.
+    Hold(Stay),
+    /// Run an experiment of the image from where the reference is.
+    Run(Run),
     /// Print parameters of the law, as `[controller]` of a machine file has them; without names, all.
     Get {
         /// Names.
@@ -92,6 +106,9 @@ enum Action {
         /// Names and values.
         #[arg(required = true, value_name = "NAME=VALUE", value_parser = assignment)]
         values: Vec<(String, f32)>,
+        /// Even if the loop would be unstable; the drive logs it.
+        #[arg(long)]
+        force: bool,
     },
     /// Make the parameters the image was built with those of the law.
     Defaults,
@@ -107,6 +124,32 @@ enum Action {
     },
     /// End the recording.
     StopRecording,
+}
+
+/// What keeps the drive running.
+#[derive(Debug, clap::Args)]
+struct Stay {
+    /// Leave the drive running alone, without a link.
+    #[arg(long, conflicts_with = "for_s")]
+    autonomous: bool,
+    /// For how long to keep the link alive, s.
+    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    for_s: Option<Duration>,
+}
+
+#[derive(Debug, clap::Args)]
+struct Run {
+    /// Enable the drive before and stop it after.
+    #[arg(long, global = true, conflicts_with = "autonomous")]
+    enable: bool,
+    /// Leave it running alone, without a link.
+    #[arg(long, global = true)]
+    autonomous: bool,
+    /// Greatest torque, whole N m; without it, torque_limit_nm.
+    #[arg(long, global = true, value_name = "NM", default_value_t = 0)]
+    max_torque_nm: u8,
+    #[command(subcommand)]
+    shape: experiment::Shape,
 }
 
 #[derive(Debug, clap::Args)]
@@ -164,21 +207,40 @@ pub fn run(args: &Args) -> Result<(), Error> {
     args.action.check()?;
     let line = args.line.line();
     let mut drive = Drive { connection: line.connect()?, line };
-    match &args.action {
-        Action::Status { json } => drive.print_status(*json),
-        Action::Enable => drive.tell_until(Command::Enable, "running", |status| status.state == RUNNING),
-        Action::Disable => drive.tell_until(Command::Disable, "stopped", |status| status.state != RUNNING),
-        Action::Clear => drive.tell_until(Command::ClearFault, "cleared", |status| status.state != FAULT),
-        Action::Reference { target, for_s } => drive.reference(target.counts()?, *for_s),
-        Action::Hold => drive.tell(Command::Hold),
-        Action::Run(shape) => drive.run(shape),
-        Action::Get { names } => drive.get(names),
-        Action::Set { values } => drive.set(values),
-        Action::Defaults => drive.tell(Command::Defaults).and_then(|()| drive.tell(Command::Apply)),
-        Action::Load => drive.tell(Command::Load).and_then(|()| drive.tell(Command::Apply)),
-        Action::Save => drive.tell(Command::Save),
-        Action::StartRecording { run } => drive.tell(Command::StartRecording { run: *run }),
-        Action::StopRecording => drive.tell(Command::StopRecording),
+    let outcome = drive.carry_out(&args.action);
+    drive.connection.close();
+    outcome
+}
+
+impl Drive {
+    fn carry_out(&mut self, action: &Action) -> Result<(), Error> {
+        let drive = self;
+        match action {
+            Action::Status { json } => drive.print_status(*json),
+            Action::Events => drive.print_events(),
+            Action::Enable(stay) => drive.enable(stay.autonomous).and_then(|()| drive.stay(stay)),
+            Action::Disable => drive.disable(),
+            Action::Clear => drive.tell_until(Command::ClearFault, "cleared", |status| status.state != FAULT),
+            Action::Home => drive.tell(Command::SetPosition { counts: 0 }),
+            Action::SetPosition(target) => drive.tell(Command::SetPosition { counts: target.counts()? }),
+            Action::Reference { target, relative, speed, accel, max_torque_nm, stay } => {
+                let counts = target.counts()?;
+                let target = if *relative { link::Target::Relative(counts) } else { link::Target::Absolute(counts) };
+                let pace = Pace { speed_rad_s: *speed, acceleration_rad_s2: *accel };
+                drive.reference(Command::Reference { target, pace, torque_bound_nm: *max_torque_nm }, stay)
+            }
+            Action::Hold(stay) => {
+                drive.tell(Command::Hold { autonomous: stay.autonomous }).and_then(|()| drive.stay(stay))
+            }
+            Action::Run(run) => drive.run(run),
+            Action::Get { names } => drive.get(names),
+            Action::Set { values, force } => drive.set(values, *force),
+            Action::Defaults => drive.tell(Command::Defaults).and_then(|()| drive.tell(APPLY)),
+            Action::Load => drive.tell(Command::Load).and_then(|()| drive.tell(APPLY)),
+            Action::Save => drive.tell(Command::Save),
+            Action::StartRecording { run } => drive.tell(Command::StartRecording { run: *run }),
+            Action::StopRecording => drive.tell(Command::StopRecording),
+        }
     }
 }
 
@@ -187,106 +249,29 @@ impl Action {
     fn check(&self) -> Result<(), Error> {
         let outcome = match self {
             Self::Get { names } => names.iter().try_for_each(|name| find(name).map(drop)),
-            Self::Set { values } => values.iter().try_for_each(|(name, value)| check(find(name)?.1, *value)),
-            Self::Reference { target, .. } => return target.counts().map(drop),
+            Self::Set { values, .. } => values.iter().try_for_each(|(name, value)| check(find(name)?.1, *value)),
+            Self::Reference { target, .. } | Self::SetPosition(target) => return target.counts().map(drop),
             _ => Ok(()),
         };
         outcome.map_err(|error| Error::Usage(error.to_string()))
     }
 }
 
-/// [`Status::state`] of a drive that runs.
+/// State, as [`link::Status::state`] has it, of a drive that runs.
 const RUNNING: u8 = 2;
-/// [`Status::state`] of a drive with a latched fault.
+/// State of a drive that brings its axis to rest.
+const STOPPING: u8 = 4;
+/// State of a drive with a latched fault.
 const FAULT: u8 = 3;
 
-/// A request acts in the next tick; after this it has been refused by the law.
-const TAKES_EFFECT: Duration = Duration::from_millis(200);
+/// A request acts in the next tick, a stop takes up to a second by default; after this it has been refused by the law.
+const TAKES_EFFECT: Duration = Duration::from_millis(1000);
+/// Parameters are checked against the stability margins.
+const APPLY: Command = Command::Apply { force: false };
 /// Time between two words that keep the link alive; the drive takes 250 ms of silence for a fault.
 const BEAT: Duration = Duration::from_millis(50);
 
 struct Drive {
     line: Line,
     connection: Connection<Box<dyn Stream>>,
-}
-
-impl Drive {
-    fn known<T>(&self, outcome: Result<T, LinkError>) -> Result<T, Error> {
-        outcome.map_err(|error| self.line.error(error))
-    }
-
-    fn tell(&mut self, command: Command) -> Result<(), Error> {
-        let outcome = self.connection.tell(command);
-        self.known(outcome)
-    }
-
-    fn status(&mut self) -> Result<Status, Error> {
-        let outcome = self.connection.status();
-        self.known(outcome)
-    }
-
-    fn refused(&self, what: &str, status: &Status) -> Error {
-        let state = status::state(status).replace('\n', "; ");
-        Error::Refused { place: self.line.to_string(), message: format!("{what}: the drive is in state {state}") }
-    }
-
-    /// Makes a request, and waits until it shows.
-    fn tell_until(&mut self, command: Command, what: &str, shows: impl Fn(&Status) -> bool) -> Result<(), Error> {
-        self.tell(command)?;
-        let deadline = Instant::now() + TAKES_EFFECT;
-        loop {
-            let status = self.status()?;
-            if shows(&status) {
-                return output::print(&format!("{what}\n"));
-            }
-            if Instant::now() > deadline {
-                return Err(self.refused(&format!("not {what}"), &status));
-            }
-        }
-    }
-
-    fn print_status(&mut self, json: bool) -> Result<(), Error> {
-        let status = self.status()?;
-        output::print(&if json { status::json(&status) } else { status::text(&status) })
-    }
-
-    fn reference(&mut self, counts: i32, for_s: Option<Duration>) -> Result<(), Error> {
-        let interrupt = Interrupt::watch()?;
-        self.tell(Command::Reference { counts })?;
-        let start = Instant::now();
-        let status = loop {
-            let status = self.status()?;
-            if status.state != RUNNING {
-                return Err(self.refused("the reference is not followed", &status));
-            }
-            if interrupt.is_raised() || for_s.is_some_and(|for_s| start.elapsed() >= for_s) {
-                break status;
-            }
-            std::thread::sleep(BEAT);
-        };
-        self.tell(Command::Hold)?;
-        let (at, to) = (Counts(status.position).to_rad(), Counts(counts).to_rad());
-        output::print(&format!("reference {to:.6} rad, position {at:.6} rad; it stays there\n"))
-    }
-
-    fn run(&mut self, shape: &experiment::Shape) -> Result<(), Error> {
-        let outcome = self.connection.parameter("period_s");
-        let experiment = shape.experiment(self.known(outcome)?)?;
-        self.tell(Command::Run(experiment))?;
-        output::print(&format!("runs for {} s\n", experiment.duration_s))
-    }
-
-    fn get(&mut self, names: &[String]) -> Result<(), Error> {
-        let outcome = self.connection.config();
-        let config = self.known(outcome)?;
-        let is_asked = |parameter: &&Parameter| names.is_empty() || names.iter().any(|name| name == parameter.name);
-        let line = |parameter: &Parameter| parameter_line(parameter, &config) + "\n";
-        output::print(&TABLE.iter().filter(is_asked).map(line).collect::<String>())
-    }
-
-    fn set(&mut self, values: &[(String, f32)]) -> Result<(), Error> {
-        let values: Vec<(&str, f32)> = values.iter().map(|(name, value)| (name.as_str(), *value)).collect();
-        let outcome = self.connection.set_parameters(&values);
-        self.known(outcome)
-    }
 }

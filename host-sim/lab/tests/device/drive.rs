@@ -1,8 +1,10 @@
 //! A drive on the simulated plant, with the image's log, and all that its link server asks of it.
 
+use er_servo::events::Event;
 use er_servo::experiment::Sequence;
 use er_servo::host_sim::Bench;
-use er_servo::link::{Commander, Drive, Offset, Refusal};
+use er_servo::link::{Commander, Drive, Offset, Pace, Refusal};
+use er_servo::motion::MotionLimits;
 use er_servo::storage::StorageError;
 use er_servo::{Config, Counts, Faults, Frame, Params, Request, State, Supervisor};
 use plant::Model;
@@ -26,6 +28,8 @@ pub struct Machine {
     stored: Option<Config>,
     recording: bool,
     next: u32,
+    random: u32,
+    events: Vec<Event>,
 }
 
 impl Machine {
@@ -46,6 +50,8 @@ impl Machine {
             stored: None,
             recording: false,
             next: 0,
+            random: 1,
+            events: Vec::new(),
         };
         machine.ticks(100);
         assert_eq!(machine.state().supervisor(), Supervisor::Ready);
@@ -59,12 +65,17 @@ impl Machine {
     fn tick(&mut self) {
         let Self { sequence, commander, bench, .. } = self;
         let offset = || sequence.as_mut().map(|sequence| sequence.next().map_or(Offset::End, Offset::Counts));
-        let orders = commander.orders(bench.servo.state(), offset);
+        let orders = commander.orders(bench.servo.state(), bench.servo.params().motion(), offset);
         let frame = bench.tick(&orders).unwrap();
         if let (Some(encoder), true, 0) = (&self.encoder, self.recording, self.lose) {
             self.log.extend(encoder.frame(&frame));
         }
         self.lose = self.lose.saturating_sub(1);
+        let before = self.last.map_or(Faults::empty(), |last| last.outputs.supervisor.faults());
+        let faults = frame.outputs.supervisor.faults().bits();
+        if before.is_empty() && faults != 0 {
+            self.events.push(Event { number: self.events.len() as u32, faults, ..Event::default() });
+        }
         self.next = frame.seq.wrapping_add(1);
         self.last = Some(frame);
     }
@@ -78,10 +89,10 @@ impl Machine {
     /// The begin of a run, and so many ticks of it.
     pub fn start(&mut self, run: u32, ticks: u32) {
         self.start_recording(run, &Config::default());
-        self.request(Request::Enable);
+        self.enable(true);
         self.ticks(ticks);
         self.heard();
-        self.follow(Counts(5_000));
+        self.follow(Counts(5_000), &Pace::default(), 0);
     }
 
     /// The rest of a run: so many ticks of a step, shorter than the patience with the link, and the end.
@@ -98,8 +109,9 @@ impl Drive for Machine {
         self.encoder.as_ref().map_or(*b"er-servo", |encoder| encoder.build)
     }
 
-    fn tick(&self) -> u32 {
-        self.next
+    fn random(&mut self) -> u32 {
+        self.random = self.random.wrapping_add(1);
+        self.random
     }
 
     fn state(&self) -> State {
@@ -118,27 +130,46 @@ impl Drive for Machine {
         self.commander.request(request);
     }
 
-    fn follow(&mut self, reference: Counts) {
-        self.hold();
-        self.commander.follow(reference);
+    fn link_alive(&self) -> bool {
+        self.commander.link_alive()
     }
 
-    fn hold(&mut self) {
+    fn enable(&mut self, autonomous: bool) {
+        self.commander.enable(autonomous);
+    }
+
+    fn set_position(&mut self, position: Counts) {
+        self.commander.set_position(position);
+    }
+
+    fn target(&self) -> Counts {
+        self.commander.target()
+    }
+
+    fn follow(&mut self, target: Counts, pace: &Pace, torque_bound_nm: u8) {
         self.sequence = None;
-        self.commander.hold();
+        self.commander.follow(target, self.bench.servo.params().motion(), pace, torque_bound_nm);
     }
 
-    fn run(&mut self, sequence: Sequence) {
-        self.hold();
+    fn hold(&mut self, autonomous: bool) {
+        self.sequence = None;
+        self.commander.hold(autonomous);
+    }
+
+    fn run(&mut self, sequence: Sequence, torque_bound_nm: u8, autonomous: bool) {
         self.sequence = Some(sequence);
-        self.commander.experiment();
+        self.commander.experiment(autonomous, torque_bound_nm);
+    }
+
+    fn motion(&self) -> MotionLimits {
+        *self.bench.servo.params().motion()
     }
 
     fn reinitialise(&mut self) -> Result<(), Refusal> {
         self.bench.init().map_err(|_| Refusal::Hardware)
     }
 
-    fn set_params(&mut self, params: Params) -> Result<(), Supervisor> {
+    fn set_params(&mut self, params: Params, _: bool) -> Result<(), Supervisor> {
         self.bench.servo.set_params(params)
     }
 
@@ -149,6 +180,10 @@ impl Drive for Machine {
     fn save(&mut self, config: &Config) -> Result<(), StorageError> {
         self.stored = Some(*config);
         Ok(())
+    }
+
+    fn event(&mut self, back: u8) -> Option<Event> {
+        self.events.iter().rev().nth(back.into()).copied()
     }
 
     fn recording(&self) -> bool {

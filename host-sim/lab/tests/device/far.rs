@@ -8,7 +8,7 @@ use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
 use er_servo::Config;
-use er_servo::link::{PACKET_BYTES, Server, encode};
+use er_servo::link::{PACKET_BYTES, ParameterSource, Server, encode};
 
 use crate::drive::Machine;
 use crate::log::Encoder;
@@ -107,7 +107,7 @@ impl Ear {
 
 fn serve(strings: &Strings, mut link: Ear, mut log: Ear, encoder: Option<Encoder>) {
     let mut machine = Machine::ready(encoder);
-    let mut server = Server::new(Config::default());
+    let mut server = Server::new(Config::default(), ParameterSource::BuiltIn);
     let (start, mut ticks) = (Instant::now(), 0);
     let mut buffer = [0; 4096];
     while !strings.ended.load(Ordering::Relaxed) {

@@ -8,7 +8,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use er_servo::Faults;
-use er_servo::link::{Answer, Command, PACKET_BYTES, PROTOCOL, Packet, Receiver, Reply, encode};
+use er_servo::link::{Answer, Command, PACKET_BYTES, PROTOCOL, Pace, Packet, Receiver, Reply, Target, encode};
 use lab::line::Line;
 use rand::rngs::StdRng;
 use rand::{Rng, SeedableRng};
@@ -32,20 +32,30 @@ fn refused(far: &Far, action: &str, code: i32) -> String {
 fn every_command_is_carried_out() {
     let far = Far::start(None);
     assert!(done(&far, "status").contains("state        ready\ninterlock    closed\n"));
-    assert_eq!(done(&far, "enable"), "running\n");
+    assert_eq!(done(&far, "enable --for-s 0.1"), "running\nstopped\n");
+    assert_eq!(done(&far, "enable --autonomous"), "running\n");
     for experiment in ["step", "steps", "multisine", "chirp", "ramp"] {
         let text = done(&far, &format!("run {experiment} --duration-s 0.1"));
         assert_eq!(text, "runs for 0.1 s\n", "{experiment}");
     }
-    done(&far, "hold");
-    let text = done(&far, "reference --deg -5 --for-s 0.5");
-    assert!(text.starts_with("reference -0.087271 rad, position ") && text.ends_with("; it stays there\n"), "{text}");
+    done(&far, "hold --autonomous");
     assert!(done(&far, "status --json").contains("\"state\": \"running\""));
+    assert!(refused(&far, "reference --deg -5 --for-s 0.5", 3).contains("the axis is not homed"));
     assert_eq!(done(&far, "disable"), "stopped\n");
+    done(&far, "home");
+    done(&far, "enable --autonomous");
+    let text = done(&far, "reference --deg -5 --speed 2 --accel 50 --max-torque-nm 10 --for-s 1.5");
+    assert!(text.starts_with("reference -0.087271 rad, position ") && text.ends_with("stopped\n"), "{text}");
+    assert_eq!(done(&far, "run step --enable --duration-s 0.1"), "running\nruns for 0.1 s\nstopped\n");
 
-    done(&far, "set kp_nm_rad=300 hold=true");
+    let unstable = refused(&far, "set kd_nm_s_rad=0", 3);
+    assert!(unstable.contains("margins too small: phase"), "{unstable}");
+    done(&far, "set kd_nm_s_rad=0 --force");
+    assert!(done(&far, "status").contains("forced against the stability margins"));
+    done(&far, "defaults");
+    done(&far, "set kp_nm_rad=270 hold=true");
     done(&far, "save");
-    let held = "kp_nm_rad = 300 # N m/rad, 0 to 5000\nhold = true\n";
+    let held = "kp_nm_rad = 270 # N m/rad, 0 to 5000\nhold = true\n";
     assert_eq!(done(&far, "get hold kp_nm_rad"), held);
     done(&far, "defaults");
     assert_ne!(done(&far, "get hold kp_nm_rad"), held);
@@ -73,7 +83,7 @@ fn what_cannot_be_is_said_with_what_can() {
         ("run step", 3, "the drive is not running: enable it first"),
         ("hold", 3, "the drive is not running: enable it first"),
         ("clear", 3, "there is no fault to clear"),
-        ("load", 3, "the flash holds no parameters of this version"),
+        ("load", 3, "the flash holds no parameters, or none that this image can use"),
     ];
     for (action, code, message) in cases {
         let said = refused(&far, action, code);
@@ -125,9 +135,10 @@ fn a_session_that_falls_silent_is_a_fault_while_the_reference_comes_from_it() {
     let far = Far::start(None);
     let line = Line::Tcp(far.link.to_string());
     let mut connection = line.connect().unwrap();
-    connection.tell(Command::Enable).unwrap();
+    connection.tell(Command::Enable { autonomous: true }).unwrap();
     while connection.status().unwrap().state != 2 {}
-    connection.tell(Command::Reference { counts: 0 }).unwrap();
+    let target = Target::Relative(0);
+    connection.tell(Command::Reference { target, pace: Pace::default(), torque_bound_nm: 0 }).unwrap();
     let start = Instant::now();
     thread::sleep(Duration::from_millis(1500));
     let status = connection.status().unwrap();
@@ -135,6 +146,7 @@ fn a_session_that_falls_silent_is_a_fault_while_the_reference_comes_from_it() {
     let text = done(&far, "status");
     assert!(text.contains("state        fault\n             command link lost: reconnect, then clear\n"), "{text}");
     assert!(refused(&far, "enable", 3).contains("a fault is latched"));
+    assert!(done(&far, "events").contains("command link lost: reconnect, then clear\n"));
     assert_eq!(done(&far, "clear"), "cleared\n");
 }
 
@@ -143,7 +155,8 @@ fn a_session_that_falls_silent_is_a_fault_while_the_reference_comes_from_it() {
 fn ctrl_c_ends_a_reference_and_leaves_no_drive_on_a_dead_link() {
     use std::process::{Command, Stdio};
     let far = Far::start(None);
-    done(&far, "enable");
+    done(&far, "home");
+    done(&far, "enable --autonomous");
     let address = far.link.to_string();
     let mut command = Command::new(assert_cmd::cargo::cargo_bin("servo-lab"));
     let child = command.args(["link", "--tcp", &address, "reference", "--deg", "1"]).stdout(Stdio::piped()).spawn();
@@ -153,9 +166,8 @@ fn ctrl_c_ends_a_reference_and_leaves_no_drive_on_a_dead_link() {
     assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
     let output = child.wait_with_output().unwrap();
     assert!(output.status.success());
-    assert!(String::from_utf8(output.stdout).unwrap().ends_with("; it stays there\n"));
-    thread::sleep(Duration::from_millis(1500));
-    assert!(done(&far, "status").starts_with("state        running\n"));
+    assert!(String::from_utf8(output.stdout).unwrap().ends_with("stopped\n"));
+    assert!(done(&far, "status").starts_with("state        ready\n"));
 }
 
 fn packet(session: u32, sequence: u32, command: Command) -> Vec<u8> {
@@ -179,9 +191,9 @@ fn hostile(random: &mut StdRng) -> Vec<u8> {
 #[test]
 fn hostile_bytes_are_counted_and_the_drive_runs_on() {
     let far = Far::start(None);
-    done(&far, "enable");
+    done(&far, "enable --autonomous");
     let mut before = Line::Tcp(far.link.to_string()).connect().unwrap();
-    before.tell(Command::Hold).unwrap();
+    before.tell(Command::Hold { autonomous: true }).unwrap();
     drop(before);
     let mut stream = TcpStream::connect(far.link).unwrap();
     // The server answers packets of another session; nobody reads that here.
@@ -216,7 +228,7 @@ fn a_recorded_conversation_played_again_does_nothing() {
         }
     };
     ask(&mut stream, Command::Hello);
-    let (answer, enable) = ask(&mut stream, Command::Enable);
+    let (answer, enable) = ask(&mut stream, Command::Enable { autonomous: true });
     assert_eq!(answer, Answer::Done);
     ask(&mut stream, Command::Disable);
     for _ in 0..50 {
@@ -252,7 +264,8 @@ fn strangers_at_the_far_end_are_told_from_a_drive() {
         for byte in BufReader::new(stream.try_clone().unwrap()).bytes() {
             if let Some(Ok(Packet { sequence, .. })) = receiver.push(byte.unwrap()) {
                 let (frame_schema, parameters, build) = (1, 22, [0; 8]);
-                let answer = Answer::Hello { session: 1, protocol: PROTOCOL + 1, frame_schema, parameters, build };
+                let (protocol, observer) = (PROTOCOL + 1, false);
+                let answer = Answer::Hello { session: 1, observer, protocol, frame_schema, parameters, build };
                 stream.write_all(encode(&Reply { sequence, answer }, &mut [0; PACKET_BYTES]).unwrap()).unwrap();
                 return;
             }
@@ -264,7 +277,7 @@ fn strangers_at_the_far_end_are_told_from_a_drive() {
         (closing, "connection"),
         (flooding, "no answer to 6 attempts"),
         (babbling, "no answer to 6 attempts"),
-        (other_version, "the drive speaks version 3 of the link, this tool 2"),
+        (other_version, "the drive speaks version 4 of the link, this tool 3"),
     ] {
         let start = Instant::now();
         let said = fails(Path::new(HERE), &format!("link --tcp {address} status"), 4);

@@ -55,7 +55,7 @@ fn a_run_over_tcp_is_commanded_recorded_and_replayed() {
     let Some((elf, far)) = far() else { return };
     let folder = tempfile::tempdir().unwrap();
     let child = listening(folder.path(), &elf, &far);
-    for action in ["start-recording 12", "enable", "run step --amplitude-deg 5 --duration-s 0.2"] {
+    for action in ["start-recording 12", "enable --autonomous", "run step --amplitude-deg 5 --duration-s 0.2"] {
         printed(folder.path(), &far.line(action));
     }
     wait_until("rows are written", || growing(folder.path()) > 0);
@@ -77,7 +77,7 @@ fn ctrl_c_ends_a_recording_with_everything_that_came() {
     let folder = tempfile::tempdir().unwrap();
     let child = listening(folder.path(), &elf, &far);
     printed(folder.path(), &far.line("start-recording"));
-    printed(folder.path(), &far.line("enable"));
+    printed(folder.path(), &far.line("enable --autonomous"));
     wait_until("rows are written", || growing(folder.path()) > 0);
     assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
     let (printed_there, _) = ended(child);

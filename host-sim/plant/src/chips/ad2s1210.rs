@@ -12,6 +12,8 @@ pub const COUNTS_PER_REV: u32 = POLE_PAIRS * 4096;
 const TRACKING_LIMIT_REV_S: f64 = 1000.0;
 /// Time from a reset to valid position for resolutions 00, 01, 10, 11 (10, 12, 14, 16 bit), s.
 const SETTLE_S: [f64; 4] = [0.010, 0.020, 0.025, 0.060];
+/// From the falling edge of SAMPLE until what it latched can be read, s: 6 periods of 8.192 MHz and 20 ns.
+const LATCH_S: f64 = 752.4e-9;
 /// RESET must be low this long to act, s.
 const RESET_WIDTH_S: f64 = 10e-6;
 
@@ -71,6 +73,9 @@ pub struct Ad2s1210 {
     faults: u8,
     latched: [u8; 3],
     latched_velocity: u16,
+    /// What a read gives as long as the latch before is too young.
+    stale: [u8; 3],
+    since_latch_s: f64,
     settle_s: f64,
     reset_low_s: f64,
     // Faults put in.
@@ -105,6 +110,8 @@ impl Ad2s1210 {
             faults: 0,
             latched: [0; 3],
             latched_velocity: 0,
+            stale: [0; 3],
+            since_latch_s: f64::INFINITY,
             settle_s: 0.0,
             reset_low_s: 0.0,
             line: Line::new(),
@@ -203,6 +210,8 @@ impl Ad2s1210 {
     }
 
     fn latch(&mut self) {
+        self.stale = self.readable();
+        self.since_latch_s = 0.0;
         self.faults |= self.conditions();
         // The resolution of the position frame is that of the RES pins, tied to 12 bit on this board.
         let counts = if self.settle_s > 0.0 { 0 } else { self.frozen.unwrap_or_else(|| self.counts_in_pole_pair()) };
@@ -210,6 +219,12 @@ impl Ad2s1210 {
         self.latched = [high, low, self.faults];
         let velocity = (self.electrical_rev_s() / TRACKING_LIMIT_REV_S * 2048.0).clamp(-2048.0, 2047.0) as i16;
         self.latched_velocity = (velocity << 4).cast_unsigned();
+    }
+
+    /// What the port gives now: the last latch, or the one before while it is too young.
+    fn readable(&self) -> [u8; 3] {
+        // Half a nanosecond for the rounding of the clock that counts it.
+        if self.since_latch_s >= LATCH_S - 0.5e-9 { self.latched } else { self.stale }
     }
 
     /// One byte in configuration mode; gives the answer to the byte before.
@@ -275,7 +290,8 @@ impl Chip for Ad2s1210 {
             Port::Frame(at) => {
                 self.port = Port::Frame(at.saturating_add(1));
                 let velocity = self.latched_velocity.to_be_bytes();
-                let frame = if self.a0 { [velocity[0], velocity[1], self.latched[2]] } else { self.latched };
+                let latched = self.readable();
+                let frame = if self.a0 { [velocity[0], velocity[1], latched[2]] } else { latched };
                 frame.get(usize::from(at)).copied().unwrap_or(0)
             }
         };
@@ -307,6 +323,7 @@ impl Chip for Ad2s1210 {
     }
 
     fn advance(&mut self, dt_s: f64) {
+        self.since_latch_s += dt_s;
         if self.reset {
             self.settle_s = (self.settle_s - dt_s).max(0.0);
         } else {

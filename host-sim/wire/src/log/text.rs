@@ -87,10 +87,10 @@ mod tests {
         );
         let read = begin(&text).unwrap().unwrap();
         assert_eq!(read, Begin { run: 7, build: [1, 2, 3, 4, 5, 6, 7, 8], tick: 99, state, config });
-        assert_eq!(begin(&text.replace("schema 1", "schema 9")), Err(Error::Schema(9)));
+        assert_eq!(begin(&text.replace(&format!("schema {FRAME_SCHEMA}"), "schema 9")), Err(Error::Schema(9)));
         assert_eq!(
             begin(&text.replace(" parameters [", " parameters [0, 0, 0, 0, ")),
-            Err(Error::Parameters { count: 23 })
+            Err(Error::Parameters { count: TABLE.len() + 1 })
         );
         assert_eq!(begin(&text[..60]), Ok(None), "cut short");
         assert_eq!(begin(&text.replace("tick 99", "tick x")), Ok(None));

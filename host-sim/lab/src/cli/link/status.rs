@@ -1,6 +1,7 @@
 //! The status of a drive, for a person and for a program.
 
 use er_servo::drivers::ad2s1210;
+use er_servo::events::Event;
 use er_servo::link::Status;
 use er_servo::{Counts, Faults, InputFlags, MonitorCode};
 use serde_json::json;
@@ -9,10 +10,22 @@ use crate::output::Provenance;
 
 /// Name of the state; in the fault state each cause on a line of its own.
 pub fn state(status: &Status) -> String {
-    let name = ["boot", "ready", "running", "fault"].get(usize::from(status.state)).unwrap_or(&"unknown");
+    let name = ["boot", "ready", "running", "fault", "stopping"].get(usize::from(status.state)).unwrap_or(&"unknown");
     let chip = ad2s1210::Faults::from_bits_retain(status.resolver_faults).sentences();
     let causes = Faults::from_bits_truncate(status.faults).explain().chain(chip);
     causes.fold((*name).to_owned(), |text, cause| text + "\n" + cause)
+}
+
+/// A fault of the event log, for a person.
+pub fn event(event: &Event) -> String {
+    let Event { number, at_ms, speed_rad_s, worst_cycles, resolver_faults, .. } = event;
+    let position_rad = Counts(event.position).to_rad();
+    let chip = ad2s1210::Faults::from_bits_retain(*resolver_faults).sentences();
+    let head = format!(
+        "{number:<4} {:.3} s after the reset, at {position_rad:.4} rad, {speed_rad_s:.2} rad/s, worst tick {worst_cycles} cycles\n",
+        f64::from(*at_ms) * 1e-3
+    );
+    event.faults().explain().chain(chip).fold(head, |text, cause| text + "     " + cause + "\n")
 }
 
 /// For a person.
@@ -24,6 +37,9 @@ pub fn text(status: &Status) -> String {
         ("state", state(status).replace('\n', "\n             ")),
         ("interlock", either(InputFlags::INTERLOCK_CLOSED, "closed", "open").to_owned()),
         ("stop", either(InputFlags::STOP_PRESSED, "pressed", "released").to_owned()),
+        ("amplifier", either(InputFlags::AMPLIFIER_READY, "ready", "not ready").to_owned()),
+        ("parameters", status.parameters.to_string()),
+        ("homed", if status.homed { "yes" } else { "no" }.to_owned()),
         ("reference", format!("{:.6} rad", Counts(status.reference).to_rad())),
         ("position", format!("{:.6} rad", Counts(status.position).to_rad())),
         ("torque", format!("{:.3} N m", status.torque_nm)),
@@ -54,6 +70,9 @@ pub fn json(status: &Status) -> String {
         "causes": lines.collect::<Vec<_>>(),
         "interlock_closed": flags.contains(InputFlags::INTERLOCK_CLOSED),
         "stop_pressed": flags.contains(InputFlags::STOP_PRESSED),
+        "amplifier_ready": flags.contains(InputFlags::AMPLIFIER_READY),
+        "parameters": status.parameters.to_string(),
+        "homed": status.homed,
         "reference_rad": Counts(status.reference).to_rad(),
         "position_rad": Counts(status.position).to_rad(),
         "torque_cmd_nm": status.torque_nm,

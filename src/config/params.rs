@@ -1,123 +1,46 @@
-//! Configuration in SI units, and the parameters precomputed from it.
+//! What a tick works with: a checked configuration, precomputed.
 
-use crate::maths;
-use crate::parameters::{self, Parameter};
+use super::{Config, ConfigError, IMAGE_PERIOD_S};
+use crate::margins::Margins;
+use crate::motion::MotionLimits;
 use crate::units::{COUNTS_PER_POLE_PAIR, RAD_PER_COUNT};
+use crate::{maths, parameters};
 
-/// What the law is built from. Names end in the unit; ranges stand in [`parameters::TABLE`].
+/// A sum over words that every single flipped bit, and every swap, changes: a rotation between additions.
+macro_rules! sum_of {
+    ($($word:expr),+ $(,)?) => {{
+        let mut sum: u32 = 0x9e37_79b9;
+        $(sum = sum.rotate_left(5).wrapping_add($word);)+
+        sum
+    }};
+}
+
+/// How the drive is brought to rest.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Config {
-    /// Control period.
-    pub period_s: f32,
-    /// Proportional gain K_P.
-    pub kp_nm_rad: f32,
-    /// Velocity-feedback gain K_D.
-    pub kd_nm_s_rad: f32,
-    /// Torque command held within plus and minus this.
-    pub torque_limit_nm: f32,
-    /// False: the field stays at 0 whatever the motion.
-    pub er_enabled: bool,
-    /// a of equation (2), N m per (kV/mm)^2.
-    pub er_a: f32,
-    /// b of equation (2), N m per kV/mm.
-    pub er_b: f32,
-    /// c of equation (2): drag at zero field; the law needs it only to check `near_rad`.
-    pub er_c_nm: f32,
-    /// Field command held at or below this.
-    pub field_limit_kv_mm: f32,
-    /// Field of the brake.
-    pub brake_field_kv_mm: f32,
-    /// The brake acts only below this error; 0 turns it off.
-    pub near_rad: f32,
-    /// Measured speeds up to this count as rest for the brake; at least one count a sample, 0.0257, or it chatters.
-    pub brake_deadband_rad_s: f32,
-    /// The brake also holds at rest.
-    pub hold: bool,
-    /// Above this speed the field is off.
-    pub off_speed_rad_s: f32,
-    /// Time constant of the low-pass on the speed estimate; 0 for none.
-    pub speed_filter_s: f32,
-    /// Speed from the converter's own output in place of the difference of counts.
-    pub speed_from_converter: bool,
-    /// A faster reading is a jump.
-    pub max_speed_rad_s: f32,
-    /// A faster change of speed is a jump.
-    pub max_acceleration_rad_s2: f32,
-    /// Torque under which the rotor cannot stand still: over friction plus the highest ER torque.
-    pub stale_torque_nm: f32,
-    /// How long the counts may stand still under that torque; covers the delay of the motor system.
-    pub stale_time_s: f32,
-    /// Monitored field that trips the drive.
-    pub field_trip_kv_mm: f32,
-    /// From reset to ready: the converter settles in 20 ms.
-    pub boot_time_s: f32,
+pub(crate) struct StopParams {
+    pub(crate) on_disable: bool,
+    pub(crate) on_link_loss: bool,
+    pub(crate) torque_nm: f32,
+    pub(crate) ticks: u32,
 }
 
-impl Default for Config {
-    /// The machine of the paper at L = 5 ms (control.md sections 1 to 4).
-    fn default() -> Self {
-        Self {
-            period_s: 0.0005,
-            kp_nm_rad: 240.0,
-            kd_nm_s_rad: 6.96,
-            torque_limit_nm: 30.0,
-            er_enabled: true,
-            er_a: 0.0704,
-            er_b: 0.470,
-            er_c_nm: 0.763,
-            field_limit_kv_mm: 3.5,
-            brake_field_kv_mm: 3.0,
-            near_rad: 0.02,
-            brake_deadband_rad_s: 0.0257,
-            hold: false,
-            off_speed_rad_s: 1.5,
-            speed_filter_s: 0.001,
-            speed_from_converter: false,
-            max_speed_rad_s: 45.0,
-            max_acceleration_rad_s2: 6500.0,
-            stale_torque_nm: 4.0,
-            stale_time_s: 0.02,
-            field_trip_kv_mm: 3.8,
-            boot_time_s: 0.02,
-        }
-    }
-}
-
-/// Why a [`Config`] is refused.
+/// What [`crate::guard`] watches for.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum ConfigError {
-    /// A value is not finite or lies outside its range.
-    OutOfRange {
-        /// The parameter, with its unit and range.
-        parameter: &'static Parameter,
-        /// What was asked for.
-        value: f32,
-    },
-    /// The brake would let go inside the error it can hold.
-    NearTooSmall {
-        /// What was asked for, rad.
-        near_rad: f32,
-        /// The error the brake holds, (c + a E^2 + b E)/K_P, rad.
-        held_rad: f32,
-    },
+pub(crate) struct GuardParams {
+    pub(crate) following_counts: u32,
+    pub(crate) following_ticks: u32,
+    pub(crate) over_speed_rad_s: f32,
+    pub(crate) field_apart_kv_mm: f32,
+    pub(crate) field_lag_gain: f32,
+    pub(crate) field_apart_ticks: u32,
+    pub(crate) hv_off_ticks: u32,
 }
 
-impl core::fmt::Display for ConfigError {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        match self {
-            Self::OutOfRange { parameter: p, value } => {
-                write!(f, "{}: {value} {} is not allowed, {} to {} is", p.name, p.unit, p.min, p.max)
-            }
-            Self::NearTooSmall { near_rad, held_rad } => write!(
-                f,
-                "near_rad: {near_rad} rad is not allowed at this gain, 0 (no brake) or more than {held_rad} is, \
-                 the error the brake can hold"
-            ),
-        }
-    }
-}
-
-impl core::error::Error for ConfigError {}
+/// Commanded and monitored field may be apart for this long, s: three times the fluid's lag, for a field that is switched
+/// fast.
+const FIELD_APART_S: f32 = 0.02;
+/// High voltage must be gone this long after it was switched off, s.
+const HV_OFF_S: f32 = 0.1;
 
 /// A checked [`Config`] with everything a tick would otherwise compute; immutable, so that it can be swapped between two
 /// ticks in one assignment.
@@ -144,6 +67,9 @@ pub struct Params {
     pub(crate) stale_ticks: u32,
     pub(crate) field_trip_kv_mm: f32,
     pub(crate) boot_ticks: u32,
+    pub(crate) stop: StopParams,
+    pub(crate) guard: GuardParams,
+    motion: MotionLimits,
     check: u32,
 }
 
@@ -166,7 +92,33 @@ impl Params {
         if brakes && config.near_rad * config.kp_nm_rad <= brake_nm {
             return Err(ConfigError::NearTooSmall { near_rad: config.near_rad, held_rad: brake_nm / config.kp_nm_rad });
         }
+        if config.position_min_rad >= config.position_max_rad {
+            let (min_rad, max_rad) = (config.position_min_rad, config.position_max_rad);
+            return Err(ConfigError::Positions { min_rad, max_rad });
+        }
         Ok(Self::precompute(config).sealed())
+    }
+
+    /// As [`Self::new`], for the image: refuses what it cannot do, and, unless `force`, what would be unstable or near it.
+    ///
+    /// # Errors
+    /// As [`Self::new`]; another period than that of the image's timer, a speed from the converter, which the image does
+    /// not read, margins under those `servo-lab tune` keeps.
+    pub fn for_image(config: &Config, force: bool) -> Result<Self, ConfigError> {
+        let params = Self::new(config)?;
+        if config.period_s != IMAGE_PERIOD_S {
+            return Err(ConfigError::BuiltIn { name: "period_s", only: IMAGE_PERIOD_S });
+        }
+        if config.speed_from_converter {
+            return Err(ConfigError::BuiltIn { name: "speed_from_converter", only: 0.0 });
+        }
+        let margins = Margins::of(config);
+        if force || margins.suffice(config) { Ok(params) } else { Err(ConfigError::Unstable(margins)) }
+    }
+
+    /// What bounds a reference from the link.
+    pub fn motion(&self) -> &MotionLimits {
+        &self.motion
     }
 
     fn precompute(config: &Config) -> Self {
@@ -198,6 +150,22 @@ impl Params {
             stale_ticks: ticks(config.stale_time_s),
             field_trip_kv_mm: config.field_trip_kv_mm,
             boot_ticks: ticks(config.boot_time_s),
+            stop: StopParams {
+                on_disable: config.stop_on_disable,
+                on_link_loss: config.stop_on_link_loss,
+                torque_nm: config.stop_torque_nm,
+                ticks: ticks(config.stop_time_s),
+            },
+            guard: GuardParams {
+                following_counts: (config.following_error_rad / RAD_PER_COUNT) as u32,
+                following_ticks: ticks(config.following_time_s),
+                over_speed_rad_s: config.over_speed_rad_s,
+                field_apart_kv_mm: config.field_apart_kv_mm,
+                field_lag_gain: 1.0 - maths::exp(-config.period_s / config.field_lag_s),
+                field_apart_ticks: ticks(FIELD_APART_S),
+                hv_off_ticks: ticks(HV_OFF_S),
+            },
+            motion: MotionLimits::of(config),
             check: 0,
         }
     }
@@ -212,9 +180,13 @@ impl Params {
         self.check == self.sum()
     }
 
+    // Straight on and without a loop: two instructions a word, in every tick.
     fn sum(&self) -> u32 {
-        let flags = u32::from(self.er_enabled) | u32::from(self.hold) << 1 | u32::from(self.speed_from_converter) << 2;
-        [
+        let flag = |flag: bool, bit: u32| u32::from(flag) << bit;
+        let flags = flag(self.er_enabled, 0) | flag(self.hold, 1) | flag(self.speed_from_converter, 2);
+        let flags = flags | flag(self.stop.on_disable, 3) | flag(self.stop.on_link_loss, 4);
+        let (stop, guard, motion) = (&self.stop, &self.guard, &self.motion);
+        sum_of!(
             self.kp_nm_count.to_bits(),
             self.kd_nm_s_rad.to_bits(),
             self.torque_limit_nm.to_bits(),
@@ -234,9 +206,19 @@ impl Params {
             self.field_trip_kv_mm.to_bits(),
             self.boot_ticks,
             flags,
-        ]
-        .iter()
-        // A rotation between additions makes every single flipped bit, and every swap, change the sum.
-        .fold(0x9e37_79b9, |sum: u32, word| sum.rotate_left(5).wrapping_add(*word))
+            stop.torque_nm.to_bits(),
+            stop.ticks,
+            guard.following_counts,
+            guard.following_ticks,
+            guard.over_speed_rad_s.to_bits(),
+            guard.field_apart_kv_mm.to_bits(),
+            guard.field_lag_gain.to_bits(),
+            guard.field_apart_ticks,
+            guard.hv_off_ticks,
+            motion.low.0 as u32,
+            motion.high.0 as u32,
+            motion.speed_counts.to_bits(),
+            motion.acceleration_counts.to_bits(),
+        )
     }
 }

@@ -1,0 +1,67 @@
+//! Clocks, and what must go on when one fails or the core is halted.
+
+use stm32f4xx_hal::pac;
+use stm32f4xx_hal::prelude::*;
+use stm32f4xx_hal::rcc::{self, Rcc};
+
+/// The core's clock, Hz.
+pub const CORE_HZ: u32 = 168_000_000;
+/// Counts a second of the free-running timer.
+const MICROSECONDS_HZ: u32 = 1_000_000;
+/// APB1 timers run at twice the 42 MHz of their bus.
+const TIMER_HZ: u32 = 84_000_000;
+/// Looks at the random generator, which makes a number in 40 periods of 48 MHz: 140 core cycles.
+const RANDOM_LOOKS: u32 = 1000;
+
+/// 168 MHz from the crystal, with the clock security system on: a crystal that fails is a non-maskable interrupt.
+pub fn start(registers: pac::RCC) -> Rcc {
+    let config = rcc::Config::hse(8.MHz()).sysclk(CORE_HZ.Hz()).pclk1(42.MHz()).pclk2(84.MHz()).require_pll48clk();
+    let rcc = registers.freeze(config);
+    rcc.cr().modify(|_, w| w.csson().on());
+    // The free-running timer and the random generator.
+    rcc.apb1enr().modify(|_, w| w.tim5en().set_bit());
+    rcc.ahb2enr().modify(|_, w| w.rngen().set_bit());
+    rcc
+}
+
+/// A core that a debugger halts must not leave torque and field as they are: watchdog and timers go on, whatever a debugger
+/// has set before. The debugger may look while the core sleeps.
+pub fn go_on_when_halted(debug: &pac::DBGMCU) {
+    debug
+        .apb1_fz()
+        .modify(|_, w| w.dbg_iwdg_stop().clear_bit().dbg_tim2_stop().clear_bit().dbg_tim5_stop().clear_bit());
+    debug.cr().modify(|_, w| w.dbg_sleep().set_bit());
+}
+
+/// Starts the timer by which a late tick is found: the core's cycle counter stands still while the core is halted, this one
+/// does not.
+pub fn start_microseconds(timer: &pac::TIM5) {
+    timer.psc().write(|w| w.psc().set((TIMER_HZ / MICROSECONDS_HZ - 1) as u16));
+    // SAFETY: every value of the register is a period.
+    #[allow(unsafe_code)]
+    timer.arr().write(|w| unsafe { w.bits(u32::MAX) });
+    timer.egr().write(|w| w.ug().set_bit());
+    timer.cr1().modify(|_, w| w.cen().set_bit());
+}
+
+/// Microseconds since then; wraps after 71 minutes.
+pub fn microseconds() -> u32 {
+    // SAFETY: reading the counter changes nothing.
+    #[allow(unsafe_code)]
+    unsafe { &*pac::TIM5::ptr() }.cnt().read().bits()
+}
+
+/// A number nobody can guess, of the random generator; if that fails, one that is at least not the one before.
+pub fn random() -> u32 {
+    // SAFETY: nobody else uses the random generator.
+    #[allow(unsafe_code)]
+    let generator = unsafe { &*pac::RNG::ptr() };
+    generator.cr().modify(|_, w| w.rngen().set_bit());
+    let ready = (0..RANDOM_LOOKS).any(|_| generator.sr().read().drdy().bit_is_set());
+    let failed = generator.sr().read().cecs().bit_is_set() || generator.sr().read().secs().bit_is_set();
+    if ready && !failed {
+        return generator.dr().read().bits();
+    }
+    // A linear congruence (Numerical Recipes) of the time: it spreads the few bits that differ.
+    cortex_m::peripheral::DWT::cycle_count().wrapping_mul(1_664_525).wrapping_add(1_013_904_223)
+}
