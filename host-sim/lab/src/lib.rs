@@ -8,6 +8,7 @@ pub mod budget;
 pub mod cli;
 pub mod decide;
 pub mod effects;
+pub mod first_model;
 pub mod formula;
 pub mod guide;
 pub mod interrupt;

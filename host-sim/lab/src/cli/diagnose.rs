@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use super::{EXIT_CODES, Overwrite};
+use super::Overwrite;
 use crate::Error;
 use crate::decide::{Request, diagnose};
 use crate::effects::{self, Effect};
@@ -19,7 +19,6 @@ const SEED: u64 = 1;
 
 /// Flags of `diagnose`.
 #[derive(Debug, clap::Args)]
-#[command(after_help = EXIT_CODES)]
 pub struct Args {
     /// Machine file: the nominal model.
     #[arg(long, value_name = "FILE")]
@@ -85,7 +84,7 @@ pub fn run(args: &Args) -> Result<ExitCode, Error> {
     let vocabulary = vocabulary(&args.only, &args.without)?;
     let machine = Machine::read(&args.machine)?;
     let read = |files: &[PathBuf]| -> Result<Vec<Recording>, Error> {
-        files.iter().map(|file| Recording::read(file, Some(machine.axis.kind))).collect()
+        files.iter().map(|file| Recording::of(file, &machine)).collect()
     };
     let (recordings, holdout) = (read(&args.recordings)?, read(&args.holdout)?);
     let warnings = precheck::warnings(&machine, &recordings, &holdout, Purpose::Diagnose)?;
@@ -170,8 +169,7 @@ fn read_text(file: &Path) -> Result<String, Error> {
 fn vocabulary(only: &[String], without: &[String]) -> Result<Vec<&'static Effect>, Error> {
     for id in only.iter().chain(without) {
         if effects::find(id).is_none() && id != crate::read::vocabulary::CONTROLLER {
-            let known: Vec<&str> = effects::VOCABULARY.iter().map(|effect| effect.id).collect();
-            return Err(Error::Usage(format!("there is no effect `{id}`; known are {}", known.join(", "))));
+            return Err(effects::unknown(id));
         }
     }
     let kept = |effect: &&'static Effect| {

@@ -18,7 +18,6 @@ use crate::{Error, output};
 
 /// Flags of `link`.
 #[derive(Debug, clap::Args)]
-#[command(after_help = super::EXIT_CODES)]
 pub struct Args {
     #[command(flatten)]
     line: LineArgs,

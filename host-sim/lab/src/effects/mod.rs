@@ -291,6 +291,13 @@ pub fn find(id: &str) -> Option<&'static Effect> {
     VOCABULARY.iter().find(|effect| effect.id == id).copied()
 }
 
+/// That there is no effect `id`, with the nearest there is.
+pub fn unknown(id: &str) -> crate::Error {
+    let near = crate::read::nearest(id, VOCABULARY.iter().map(|effect| effect.id));
+    let near = near.map_or_else(String::new, |near| format!("; the nearest is `{near}`"));
+    crate::Error::Usage(format!("there is no effect `{id}`{near}; `servo-lab help effects` lists them"))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -316,6 +323,7 @@ mod tests {
                 er,
             },
             controller: None,
+            columns: Default::default(),
             effects: Vec::new(),
         }
     }
