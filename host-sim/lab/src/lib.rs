@@ -9,6 +9,7 @@ pub mod cli;
 pub mod conclude;
 pub mod decide;
 pub mod effects;
+pub mod first_model;
 pub mod formula;
 pub mod guide;
 pub mod interrupt;

@@ -1,8 +1,8 @@
 //! Columns of a recording: their names on each kind of axis, and the header made sense of.
 
-use super::AxisKind;
-use super::nearest::quoted;
+use super::nearest::{misspelt, quoted};
 use super::units::{self, Quantity};
+use super::{AxisKind, MappedColumn, Mapping};
 
 /// A column the format knows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -103,42 +103,110 @@ impl Complaint {
     }
 }
 
+/// What a log is read as.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Wanted<'a> {
+    /// A recording with the format's own columns; of this axis, where a machine tells.
+    Recording(Option<AxisKind>),
+    /// A recording whose columns a machine file names; the format's own where the log has none of those.
+    Mapped(AxisKind, &'a Mapping),
+    /// Every column as it stands.
+    Table,
+}
+
+/// One column of a file.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct HeaderColumn {
+    pub(crate) name: String,
+    pub(crate) role: Role,
+}
+
+/// What a column of a file is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Role {
+    /// A column of the format, in units of this.
+    Known(Column, f64),
+    /// One the format does not know, kept as text.
+    Other,
+    /// One that a mapping does not name, not read.
+    Skipped,
+}
+
+impl Role {
+    /// The column of the format.
+    pub(crate) fn column(self) -> Option<Column> {
+        match self {
+            Self::Known(column, _) => Some(column),
+            Self::Other | Self::Skipped => None,
+        }
+    }
+}
+
 /// A header made sense of.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Header {
     pub(crate) axis: AxisKind,
-    /// For each column of the file its name, and which column of the format it is; none for one the format does not
-    /// know.
-    pub(crate) columns: Vec<(String, Option<Column>)>,
+    pub(crate) columns: Vec<HeaderColumn>,
+    /// Whether a mapping named the columns.
+    pub(crate) mapped: bool,
 }
 
 impl Header {
-    /// Checks the column names: not doubled, of one kind of axis (`expected`, where the machine tells), and none of the
+    /// Checks the column names: not doubled, of one kind of axis (the machine's, where it tells), and none of the
     /// required ones missing.
-    pub(crate) fn resolve(names: Vec<String>, expected: Option<AxisKind>) -> Result<Self, Complaint> {
+    pub(crate) fn resolve(names: Vec<String>, wanted: Wanted<'_>) -> Result<Self, Complaint> {
         refuse_unusable_names(&names)?;
+        let expected = match wanted {
+            Wanted::Recording(expected) => expected,
+            Wanted::Mapped(axis, mapping) if mapping.is_empty() => Some(axis),
+            Wanted::Mapped(axis, mapping) => match Self::mapped(&names, axis, mapping) {
+                Some(header) => return header,
+                None => Some(axis),
+            },
+            Wanted::Table => {
+                let columns = names.into_iter().map(|name| HeaderColumn { name, role: Role::Other }).collect();
+                return Ok(Self { axis: AxisKind::Rotary, columns, mapped: false });
+            }
+        };
         let axis = axis_of(&names, expected)?;
         let columns: Vec<_> = names
             .into_iter()
             .map(|name| {
-                let column = Column::named(&name, axis);
-                (name, column)
+                let role = Column::named(&name, axis).map_or(Role::Other, |column| Role::Known(column, 1.0));
+                HeaderColumn { name, role }
             })
             .collect();
-        let header = Self { axis, columns };
+        let header = Self { axis, columns, mapped: false };
         let missing: Vec<&str> = Column::REQUIRED
             .into_iter()
-            .filter(|required| !header.columns.iter().any(|(_, column)| column == &Some(*required)))
+            .filter(|required| !header.columns.iter().any(|column| column.role.column() == Some(*required)))
             .map(|required| required.name(axis))
             .collect();
         if missing.is_empty() { Ok(header) } else { Err(header.missing(&missing)) }
     }
 
+    /// The header by a mapping; none where the log has none of the names but the format's own columns.
+    fn mapped(names: &[String], axis: AxisKind, mapping: &Mapping) -> Option<Result<Self, Complaint>> {
+        let places: Vec<_> = mapping.columns().iter().map(|mapped| (mapped, place(names, &mapped.name))).collect();
+        let own = |column: &Column| names.iter().any(|name| name == column.name(axis));
+        if places.iter().all(|(_, place)| place.is_none()) && Column::REQUIRED.iter().all(own) {
+            return None;
+        }
+        let mut columns: Vec<_> =
+            names.iter().map(|name| HeaderColumn { name: name.clone(), role: Role::Skipped }).collect();
+        for (mapped, place) in places {
+            let Some(place) = place else { return Some(Err(unmapped(names, axis, mapped))) };
+            columns[place].role = Role::Known(mapped.column, mapped.factor());
+        }
+        Some(Ok(Self { axis, columns, mapped: true }))
+    }
+
     /// All required columns that are missing, each with the one that may be meant to be it.
     fn missing(&self, missing: &[&str]) -> Complaint {
-        let unknown = || self.columns.iter().filter(|(_, column)| column.is_none()).map(|(name, _)| name.as_str());
+        let unknown =
+            || self.columns.iter().filter(|column| column.role == Role::Other).map(|column| column.name.as_str());
         let hint = |required: &str| units::called_alike(required, unknown()).map(|near| units::hint(near, required));
-        let names: Vec<_> = self.columns.iter().map(|(name, _)| name.as_str()).collect();
+        let names: Vec<_> = self.columns.iter().map(|column| column.name.as_str()).collect();
         let has = format!("the file has {}", quoted_list(&names));
         if let [only] = missing {
             let hint = hint(only).unwrap_or(has);
@@ -150,6 +218,30 @@ impl Header {
     }
 }
 
+/// Where the column `name` of a mapping is: by its whole name, or by the end of one only, behind the topic it is in.
+pub(crate) fn place(names: &[String], name: &str) -> Option<usize> {
+    let whole = names.iter().position(|other| other == name);
+    let by_end = || {
+        let ends = |other: &&String| other.strip_suffix(name).is_some_and(|before| before.ends_with('.'));
+        let mut found = names.iter().enumerate().filter(|(_, other)| ends(other)).map(|(index, _)| index);
+        found.next().filter(|_| found.next().is_none())
+    };
+    whole.or_else(by_end)
+}
+
+/// That the column of a mapping is not in the log.
+fn unmapped(names: &[String], axis: AxisKind, mapped: &MappedColumn) -> Complaint {
+    let near = misspelt(&mapped.name, names.iter().map(String::as_str));
+    let names: Vec<_> = names.iter().map(String::as_str).collect();
+    let hint = near
+        .map_or_else(|| format!("the file has {}", quoted_list(&names)), |near| format!("is {} meant?", quoted(near)));
+    let key = mapped.column.key(axis);
+    Complaint::new(
+        &mapped.name,
+        format!("column is missing, which [columns] of the machine file names as `{key}`; {hint}"),
+    )
+}
+
 /// At most a dozen names, for a message.
 fn quoted_list(names: &[&str]) -> String {
     let shown: Vec<_> = names.iter().take(12).map(|name| quoted(name)).collect();
@@ -158,12 +250,6 @@ fn quoted_list(names: &[&str]) -> String {
 }
 
 fn refuse_unusable_names(names: &[String]) -> Result<(), Complaint> {
-    if let [only] = names
-        && only.contains([';', '\t'])
-    {
-        let message = format!("columns must be separated by commas; the header is {}", quoted(only));
-        return Err(Complaint::new("", message));
-    }
     if !names.is_empty() && names.iter().all(|name| name.parse::<f64>().is_ok()) {
         return Err(Complaint::new("", "header row is missing: the first line holds numbers only"));
     }
@@ -219,7 +305,8 @@ mod tests {
 
     fn resolve(names: &str, expected: Option<AxisKind>) -> Result<Header, String> {
         let names = names.split(',').map(str::to_owned).collect();
-        Header::resolve(names, expected).map_err(|complaint| format!("{}: {}", complaint.column, complaint.message))
+        Header::resolve(names, Wanted::Recording(expected))
+            .map_err(|complaint| format!("{}: {}", complaint.column, complaint.message))
     }
 
     #[test]
@@ -253,7 +340,6 @@ mod tests {
         );
         let error = resolve("a,b", None).unwrap_err();
         assert!(error.starts_with("t_s, position_rad, torque_cmd_nm: ") && error.ends_with("has `a`, `b`"), "{error}");
-        assert!(resolve("t_s;position_rad;torque_cmd_nm", None).unwrap_err().contains("separated by commas"));
         assert!(resolve("0,1,2", None).unwrap_err().contains("header row is missing"));
         assert!(resolve("t_s,,position_rad", None).unwrap_err().contains("column 2 has no name"));
     }

@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use crate::Mapping;
+
 /// Whether positions are angles or lengths; decides every unit of the machine file and of its recordings.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum AxisKind {
@@ -93,6 +95,8 @@ pub struct Machine {
     pub plant: PlantNominal,
     /// Section `[controller]`, values over the defaults of the control library; none where the section is left out.
     pub controller: Option<er_servo::Config>,
+    /// Section `[columns]`: what the columns of this machine's logs are; empty for logs that have the format's own.
+    pub columns: Mapping,
     /// Entries `[[effects]]`, in file order.
     pub effects: Vec<EffectEntry>,
 }

@@ -6,7 +6,7 @@ use super::controller::controller_config;
 use super::nearest::{nearest, quoted};
 use super::toml_section::{Section, Source};
 use super::vocabulary::{self, Allowed, EffectKind, Occurs};
-use super::{Axis, AxisKind, EffectEntry, ErNominal, Machine, PlantNominal};
+use super::{Axis, AxisKind, EffectEntry, ErNominal, Machine, Mapping, PlantNominal};
 use crate::Error;
 
 /// The version of the format this tool reads and writes.
@@ -41,15 +41,17 @@ impl Machine {
         let source = Source { file, text: text.strip_prefix('\u{feff}').unwrap_or(text) };
         let document = source.parse()?;
         let top = Section::top(source, &document);
-        top.only(&["schema", "name", "axis", "plant", "controller", "effects"])?;
+        top.only(&["schema", "name", "axis", "plant", "controller", "columns", "effects"])?;
         top.required_number("schema", Allowed::Between(f64::from(SCHEMA), f64::from(SCHEMA)))?;
         let (name, _) = top.required_text("name", "a name in quotes")?;
         let axis = axis(&top.required_section("axis")?)?;
         let plant = plant(&top.required_section("plant")?)?;
         let controller =
             top.section("controller")?.map(|section| controller_config(&section, &section.pairs()?)).transpose()?;
+        let columns =
+            top.section("columns")?.map(|section| Mapping::read(&section, axis.kind)).transpose()?.unwrap_or_default();
         let effects = effects(&top.sections("effects")?, axis.kind)?;
-        Ok(Self { file: file.to_path_buf(), name: name.to_owned(), axis, plant, controller, effects })
+        Ok(Self { file: file.to_path_buf(), name: name.to_owned(), axis, plant, controller, columns, effects })
     }
 }
 

@@ -6,7 +6,7 @@ use serde::ser::{SerializeMap, Serializer};
 use super::controller::controller_pairs;
 use super::machine_file::SCHEMA;
 use super::toml_section::Setting;
-use super::{EffectEntry, Machine};
+use super::{AxisKind, EffectEntry, Machine, MappedColumn, Mapping};
 
 impl Machine {
     /// The text of a machine file that reads back as this machine, every number to the same bits.
@@ -24,7 +24,7 @@ struct FileForm<'a>(&'a Machine);
 
 impl Serialize for FileForm<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let Machine { name, axis, plant, controller, effects, file: _ } = self.0;
+        let Machine { name, axis, plant, controller, columns, effects, file: _ } = self.0;
         let mut top = serializer.serialize_map(None)?;
         top.serialize_entry("schema", &SCHEMA)?;
         top.serialize_entry("name", name)?;
@@ -47,6 +47,9 @@ impl Serialize for FileForm<'_> {
         top.serialize_entry("plant", &Keys { texts: &[], numbers: &plant_keys, below })?;
         if let Some(controller) = controller {
             top.serialize_entry("controller", &Settings(&controller_pairs(controller)))?;
+        }
+        if !columns.is_empty() {
+            top.serialize_entry("columns", &ColumnsForm(columns, axis.kind))?;
         }
         if !effects.is_empty() {
             top.serialize_entry("effects", &effects.iter().map(EffectForm).collect::<Vec<_>>())?;
@@ -73,6 +76,21 @@ impl Serialize for Keys<'_> {
         }
         if let Some((key, numbers)) = self.below {
             section.serialize_entry(key, &Keys { texts: &[], numbers, below: None })?;
+        }
+        section.end()
+    }
+}
+
+struct ColumnsForm<'a>(&'a Mapping, AxisKind);
+
+impl Serialize for ColumnsForm<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut section = serializer.serialize_map(Some(self.0.columns().len()))?;
+        for MappedColumn { column, name, unit, scale, .. } in self.0.columns() {
+            let texts = [("name", name.as_str()), ("unit", unit.as_str())];
+            let (texts, numbers) =
+                if unit.is_empty() { (&texts[..1], &[][..]) } else { (&texts[..], &[("scale", *scale)][..]) };
+            section.serialize_entry(column.key(self.1), &Keys { texts, numbers, below: None })?;
         }
         section.end()
     }

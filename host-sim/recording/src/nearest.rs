@@ -1,7 +1,7 @@
 //! The nearest known word, for messages about a key or a column that is not one.
 
 /// The candidate that most resembles `word`; none only where there are no candidates.
-pub(crate) fn nearest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+pub fn nearest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     scored(word, candidates).map(|(_, candidate)| candidate)
 }
 

@@ -4,7 +4,7 @@ use std::ffi::OsStr;
 use std::ops::Range;
 use std::path::Path;
 
-use super::columns::Header;
+use super::columns::{Header, HeaderColumn, Role};
 use super::nearest::misspelt;
 use super::units;
 use super::values::Values;
@@ -161,8 +161,14 @@ impl Recording {
     pub(super) fn assemble(file: &Path, header: Header, values: Vec<Values>) -> Result<Self, Error> {
         let name = file.file_name().map_or_else(|| file.to_string_lossy(), OsStr::to_string_lossy).into_owned();
         let mut recording = Self { name, ..Self::empty(header.axis) };
-        for ((name, column), values) in header.columns.into_iter().zip(values) {
-            recording.place(name, column, values);
+        for (column, mut values) in header.columns.into_iter().zip(values) {
+            if let (true, Role::Known(known, factor), Values::Real(values)) = (header.mapped, column.role, &mut values)
+            {
+                // Clocks of logs count from long ago, which costs digits; only differences are of use.
+                let zero = if known == Column::Time { values.first().copied().unwrap_or(0.0) } else { 0.0 };
+                values.iter_mut().for_each(|value| *value = (*value - zero) * factor);
+            }
+            recording.place(column, values);
         }
         if recording.t_s.is_empty() {
             return Err(Error::input(file, None, "", "the file holds a header but no rows"));
@@ -194,14 +200,15 @@ impl Recording {
         }
     }
 
-    fn place(&mut self, name: String, column: Option<Column>, values: Values) {
+    fn place(&mut self, HeaderColumn { name, role }: HeaderColumn, values: Values) {
         match values {
+            Values::Skipped => {}
             Values::Text(values) => self.extra.push((name, values)),
             Values::Mode(values) => self.mode = Some(values),
             Values::Seq(values) => self.seq = Some(values),
             Values::Fault(values) => self.fault = Some(values),
             Values::Counts(values) => self.counts = Some(values),
-            Values::Real(values) => match column {
+            Values::Real(values) => match role.column() {
                 Some(Column::Time) => self.t_s = values,
                 Some(Column::Position) => self.position = values,
                 Some(Column::EffortCmd) => self.effort_cmd = values,

@@ -1,30 +1,46 @@
 //! Recordings read from files and bytes of any format.
 
-use std::ffi::OsStr;
 use std::io::Cursor;
 use std::path::Path;
 
 use bytes::Bytes;
 
-use super::{AxisKind, Recording, csv_file, parquet_file};
+use super::columns::Wanted;
+use super::{AxisKind, Machine, Mapping, Recording, csv_file, log_file, parquet_file};
 use crate::Error;
 
 impl Recording {
-    /// Reads the recording in `file`, by its extension: `.csv`, or `.parquet` with the same columns.
+    /// Reads the recording in `file`, of any format of [`crate::READABLE`], with the columns of the format; `-` is standard
+    /// input.
     ///
     /// `expected` is the axis of the machine the recording is of; without one the axis follows the units of the columns.
     ///
     /// # Errors
     ///
-    /// [`Error::Input`] with file, line (CSV) or row (Parquet) and column for anything that is not a recording of one
+    /// [`Error::Input`] with file, line (CSV) or row (other formats) and column for anything that is not a recording of one
     /// run of such a machine.
     pub fn read(file: &Path, expected: Option<AxisKind>) -> Result<Self, Error> {
-        let extension = file.extension().and_then(OsStr::to_str).map(str::to_ascii_lowercase);
-        match extension.as_deref() {
-            Some("csv") => csv_file::read(file, expected),
-            Some("parquet") => parquet_file::read(file, expected),
-            _ => Err(Error::input(file, None, "", "is not a recording by its name: .csv or .parquet")),
-        }
+        let (header, values) = log_file::read(file, Wanted::Recording(expected))?;
+        Self::assemble(file, header, values)
+    }
+
+    /// Reads a recording of `machine`, whose file may say what the columns of its logs are.
+    ///
+    /// # Errors
+    ///
+    /// As [`Recording::read`]; a column that the machine file names and the log does not have.
+    pub fn of(file: &Path, machine: &Machine) -> Result<Self, Error> {
+        Self::mapped(file, machine.axis.kind, &machine.columns)
+    }
+
+    /// Reads a recording from a log whose columns `mapping` names; the format's own where it is empty.
+    ///
+    /// # Errors
+    ///
+    /// As [`Recording::of`].
+    pub fn mapped(file: &Path, axis: AxisKind, mapping: &Mapping) -> Result<Self, Error> {
+        let (header, values) = log_file::read(file, Wanted::Mapped(axis, mapping))?;
+        Self::assemble(file, header, values)
     }
 
     /// Reads a recording from the bytes of a CSV file; `file` names it in messages.
@@ -33,7 +49,8 @@ impl Recording {
     ///
     /// As [`Recording::read`].
     pub fn from_csv_bytes(file: &Path, bytes: &[u8], expected: Option<AxisKind>) -> Result<Self, Error> {
-        csv_file::read_from(file, Cursor::new(bytes), expected)
+        let (header, values) = csv_file::read(file, Cursor::new(bytes), Wanted::Recording(expected))?;
+        Self::assemble(file, header, values)
     }
 
     /// Reads a recording from the bytes of a Parquet file; `file` names it in messages.
@@ -42,6 +59,7 @@ impl Recording {
     ///
     /// As [`Recording::read`].
     pub fn from_parquet_bytes(file: &Path, bytes: &[u8], expected: Option<AxisKind>) -> Result<Self, Error> {
-        parquet_file::read_from(file, Bytes::copy_from_slice(bytes), expected)
+        let (header, values) = parquet_file::read(file, Bytes::copy_from_slice(bytes), Wanted::Recording(expected))?;
+        Self::assemble(file, header, values)
     }
 }

@@ -27,6 +27,14 @@ const PATHS: &[&str] = &[
     "plant.er.dead_time_s",
     "plant.er.lag_s",
     "controller",
+    "columns",
+    "columns.time",
+    "columns.position",
+    "columns.torque",
+    "columns.force",
+    "columns.position.name",
+    "columns.position.unit",
+    "columns.position.scale",
     "effects",
     "effects.id",
     "effects.recording",
@@ -106,7 +114,7 @@ mod tests {
 
     #[test]
     fn the_whole_file_is_searched() {
-        let top = ["schema", "name", "axis", "plant", "controller", "effects"];
+        let top = ["schema", "name", "axis", "plant", "controller", "columns", "effects"];
         let plant = ["inertia", "coulomb", "torque_delay_s", "er"];
         for (section, key, known, message) in [
             ("", "inertia", &top[..], "the nearest key is `plant.inertia`"),
@@ -116,7 +124,12 @@ mod tests {
             ("", "kp_nm_rad", &top, "the nearest key is `controller.kp_nm_rad`"),
             ("axis", "type", &["kind", "sample_period_s", "resolution"], "the nearest key is `kind`"),
             ("effects", "type", &["id", "recording"], "the nearest key is `id`"),
-            ("", "machine", &top, "known here are `schema`, `name`, `axis`, `plant`, `controller`, `effects`"),
+            (
+                "",
+                "machine",
+                &top,
+                "known here are `schema`, `name`, `axis`, `plant`, `controller`, `columns`, `effects`",
+            ),
             ("plant", "re", &plant, "the nearest key is `er`"),
             ("plant", "mass", &plant, "the nearest key is `inertia`"),
             (

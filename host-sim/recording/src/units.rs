@@ -19,6 +19,10 @@ pub(crate) enum Quantity {
     AngularSpeed,
     Speed,
     Temperature,
+    Current,
+    Voltage,
+    /// Of an encoder; how many make a revolution (a metre) stands with it.
+    Counts,
 }
 
 /// A unit as names end in it.
@@ -39,7 +43,7 @@ const fn unit(suffix: &'static str, written: &'static str, quantity: Quantity, f
 /// Units of logs; those of the format have the factor 1. A suffix that ends in another comes before it.
 const UNITS: &[Unit] = &[
     unit("rad_s", "rad/s", Quantity::AngularSpeed, 1.0),
-    unit("deg_s", "degrees/s", Quantity::AngularSpeed, PI / 180.0),
+    unit("deg_s", "deg/s", Quantity::AngularSpeed, PI / 180.0),
     unit("rev_s", "rev/s", Quantity::AngularSpeed, TAU),
     unit("rpm", "rpm", Quantity::AngularSpeed, TAU / 60.0),
     unit("mm_s", "mm/s", Quantity::Speed, 1e-3),
@@ -55,7 +59,7 @@ const UNITS: &[Unit] = &[
     unit("s", "s", Quantity::Time, 1.0),
     unit("mrad", "mrad", Quantity::Angle, 1e-3),
     unit("rad", "rad", Quantity::Angle, 1.0),
-    unit("deg", "degrees", Quantity::Angle, PI / 180.0),
+    unit("deg", "deg", Quantity::Angle, PI / 180.0),
     unit("rev", "rev", Quantity::Angle, TAU),
     unit("mnm", "mN m", Quantity::Torque, 1e-3),
     unit("knm", "kN m", Quantity::Torque, 1e3),
@@ -69,7 +73,77 @@ const UNITS: &[Unit] = &[
     unit("mn", "mN", Quantity::Force, 1e-3),
     unit("n", "N", Quantity::Force, 1.0),
     unit("c", "degrees Celsius", Quantity::Temperature, 1.0),
+    unit("ma", "mA", Quantity::Current, 1e-3),
+    unit("a", "A", Quantity::Current, 1.0),
+    unit("mv", "mV", Quantity::Voltage, 1e-3),
+    unit("v", "V", Quantity::Voltage, 1.0),
 ];
+
+/// Other ways to write a unit, in small letters, without blanks and with `_` for `/`, and the suffix of the same unit.
+const SPELLINGS: &[(&str, &str)] = &[
+    ("sec", "s"),
+    ("seconds", "s"),
+    ("msec", "ms"),
+    ("usec", "us"),
+    ("\u{b5}s", "us"),
+    ("\u{b5}m", "um"),
+    ("degree", "deg"),
+    ("degrees", "deg"),
+    ("\u{b0}", "deg"),
+    ("\u{b0}_s", "deg_s"),
+    ("turns", "rev"),
+    ("turn", "rev"),
+    ("rotations", "rev"),
+    ("n*m", "nm"),
+    ("n.m", "nm"),
+    ("n-m", "nm"),
+    ("rev_min", "rpm"),
+    ("amps", "a"),
+    ("volts", "v"),
+    ("degc", "c"),
+];
+
+/// What a unit measures, and one of it in the unit of the format; of [`Quantity::Counts`], how many there are in a revolution
+/// or a metre.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Measure {
+    pub(crate) quantity: Quantity,
+    pub(crate) factor: f64,
+}
+
+/// The unit a person wrote: `deg`, `mN m`, `rad/s`, `counts(8192)`; none where it is not known.
+pub(crate) fn measure(text: &str) -> Option<Measure> {
+    let plain: String = text.to_lowercase().chars().filter(|c| !c.is_whitespace()).collect();
+    if let Some(inside) = plain.strip_prefix("counts(").and_then(|rest| rest.strip_suffix(')')) {
+        let number = inside.parse::<f64>().ok().filter(|number| *number > 0.0 && number.is_finite())?;
+        return Some(Measure { quantity: Quantity::Counts, factor: number });
+    }
+    let plain = plain.replace('/', "_");
+    let suffix = SPELLINGS.iter().find(|(other, _)| *other == plain).map_or(plain.as_str(), |(_, suffix)| suffix);
+    let unit = UNITS.iter().find(|unit| unit.suffix == suffix)?;
+    Some(Measure { quantity: unit.quantity, factor: unit.factor })
+}
+
+/// Every unit of a quantity, for a message.
+pub(crate) fn written(quantities: &[Quantity]) -> String {
+    let units = UNITS.iter().filter(|unit| quantities.contains(&unit.quantity)).map(|unit| unit.written);
+    units.collect::<Vec<_>>().join(", ")
+}
+
+/// The unit a name tells, as [`measure`] takes it: at its end (`pos_mm`), or in brackets (`Position [mm]`, `t (s)`).
+pub(crate) fn told(name: &str) -> Option<String> {
+    let name = name.trim();
+    let bracketed = |open: char, close: char| {
+        let inside = name.strip_suffix(close)?.rsplit_once(open)?.1.trim();
+        measure(inside).map(|_| inside.to_owned())
+    };
+    let last = || {
+        let lower = name.to_lowercase();
+        // A letter alone behind a blank or a line is as often a part of the name: `axis_c`.
+        parts(&lower).1.filter(|unit| unit.quantity != Quantity::Temperature).map(|unit| unit.written.to_owned())
+    };
+    bracketed('[', ']').or_else(|| bracketed('(', ')')).or_else(last)
+}
 
 /// Other stems of the columns that no recording can do without.
 const SYNONYMS: &[(&str, &[&str])] = &[
@@ -183,7 +257,7 @@ mod tests {
             (
                 "angle_deg",
                 "position_rad",
-                "`angle_deg` is in degrees: multiply its values by 0.017453 and call it `position_rad`, in rad",
+                "`angle_deg` is in deg: multiply its values by 0.017453 and call it `position_rad`, in rad",
             ),
             ("position_mm", "position_rad", "`position_mm` is in mm, but rad is needed"),
             ("time", "t_s", "is `time` meant to be it? It must be in s"),

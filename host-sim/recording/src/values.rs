@@ -1,5 +1,6 @@
 //! Cells of one column, parsed and checked.
 
+use super::columns::Role;
 use super::nearest::{misspelt, quoted};
 use super::{Column, Mode};
 
@@ -13,17 +14,20 @@ pub(crate) enum Values {
     Counts(Vec<i64>),
     /// A column the format does not know.
     Text(Vec<String>),
+    /// A column that is not read.
+    Skipped,
 }
 
 impl Values {
-    pub(crate) fn new(column: Option<Column>) -> Self {
-        match column {
-            None => Self::Text(Vec::new()),
-            Some(Column::Mode) => Self::Mode(Vec::new()),
-            Some(Column::Seq) => Self::Seq(Vec::new()),
-            Some(Column::Fault) => Self::Fault(Vec::new()),
-            Some(Column::Counts) => Self::Counts(Vec::new()),
-            Some(_) => Self::Real(Vec::new()),
+    pub(crate) fn new(role: Role) -> Self {
+        match role {
+            Role::Other => Self::Text(Vec::new()),
+            Role::Skipped => Self::Skipped,
+            Role::Known(Column::Mode, _) => Self::Mode(Vec::new()),
+            Role::Known(Column::Seq, _) => Self::Seq(Vec::new()),
+            Role::Known(Column::Fault, _) => Self::Fault(Vec::new()),
+            Role::Known(Column::Counts, _) => Self::Counts(Vec::new()),
+            Role::Known(..) => Self::Real(Vec::new()),
         }
     }
 
@@ -33,6 +37,7 @@ impl Values {
         let cell = text.trim();
         match self {
             Self::Text(values) => values.push(text.to_owned()),
+            Self::Skipped => {}
             _ if cell.is_empty() => return Err("the cell is empty".to_owned()),
             Self::Real(values) => values.push(real(cell)?),
             Self::Mode(values) => values.push(mode(cell)?),
@@ -46,6 +51,7 @@ impl Values {
     /// Appends one cell that has a type already.
     pub(crate) fn push_cell(&mut self, cell: Cell) -> Result<(), String> {
         match (self, cell) {
+            (Self::Skipped, _) => {}
             (Self::Text(values), cell) => values.push(cell.into_text()),
             (Self::Real(values), Cell::Real(value)) => values.push(finite(value)?),
             // Counts beyond 2^53 lose their last bits, as they do where a CSV writes them as a real number.
@@ -55,6 +61,10 @@ impl Values {
             (Self::Fault(values), Cell::Whole(value)) => values.push(narrow(value)?),
             (Self::Counts(values), Cell::Whole(value)) => values.push(narrow(value)?),
             (Self::Real(_), Cell::Text(text)) => return Err(format!("{} is text, not a number", quoted(&text))),
+            // Formats without whole numbers have them as real ones.
+            (values @ (Self::Seq(_) | Self::Fault(_) | Self::Counts(_)), Cell::Real(value)) if value.fract() == 0.0 => {
+                return values.push_cell(Cell::Whole(value as i128));
+            }
             (Self::Mode(_), cell) => return mode(&cell.into_text()).map(drop),
             (_, cell) => return Err(not_whole(&cell.into_text(), None)),
         }

@@ -130,7 +130,7 @@ fn files_without_a_recording_are_refused() {
     assert!(read_as("a.csv", b"\xff\xfet\0_\0", None).unwrap_err().contains("not UTF-8 text"));
     let message = read_as("a.csv", &[HEADER.as_bytes(), b"0,\xff,1\n"].concat(), None).unwrap_err();
     assert!(message.starts_with("a.csv:2: column 2:") && message.contains("not UTF-8"), "{message}");
-    assert_eq!(read_as("a.txt", b"", None).unwrap_err(), "a.txt: is not a recording by its name: .csv or .parquet");
+    assert_eq!(read_as("a.txt", b"", None).unwrap_err(), "a.txt: the file is empty");
     let message = Recording::read(&PathBuf::from("nowhere/a.csv"), None).unwrap_err().to_string();
     assert!(message.starts_with("nowhere/a.csv: cannot open: "), "{message}");
     let folder = tempfile::Builder::new().suffix(".csv").tempdir().unwrap();

@@ -138,6 +138,7 @@ fn machine() -> impl Strategy<Value = Machine> {
             axis: axis.clone(),
             plant: plant.clone(),
             controller: None,
+            columns: Default::default(),
             effects,
         })
     })

@@ -191,6 +191,7 @@ pub fn machine(task: &Task, tuning: &Tuning, read: Option<Machine>) -> Machine {
             },
             plant,
             controller,
+            columns: Default::default(),
             effects: Vec::new(),
         },
     }

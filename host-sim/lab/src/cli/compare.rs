@@ -42,7 +42,7 @@ pub fn run(args: &Args) -> Result<(), Error> {
     let mut outputs = files.check()?;
     let machine = Machine::read(&args.machine)?;
     let recordings: Vec<Recording> =
-        args.recordings.iter().map(|file| Recording::read(file, Some(machine.axis.kind))).collect::<Result<_, _>>()?;
+        args.recordings.iter().map(|file| Recording::of(file, &machine)).collect::<Result<_, _>>()?;
     let warnings = precheck::warnings(&machine, &recordings, &[], Purpose::Compare)?;
     let names: Vec<&str> = recordings.iter().map(|recording| recording.name.as_str()).collect();
     let physics = Physics::of(&machine, &names)?;

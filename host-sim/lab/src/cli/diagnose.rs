@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use super::{EXIT_CODES, Overwrite};
+use super::Overwrite;
 use crate::Error;
 use crate::conclude::{self, Request};
 use crate::decide::{self, Diagnosis};
@@ -19,7 +19,6 @@ const SEED: u64 = 1;
 
 /// Flags of `diagnose`.
 #[derive(Debug, clap::Args)]
-#[command(after_help = EXIT_CODES)]
 pub struct Args {
     /// Machine file: the nominal model.
     #[arg(long, value_name = "FILE")]
@@ -102,7 +101,7 @@ pub fn run(args: &Args) -> Result<ExitCode, Error> {
     args.check_ids()?;
     let machine = Machine::read(&args.machine)?;
     let read = |files: &[PathBuf]| -> Result<Vec<Recording>, Error> {
-        files.iter().map(|file| Recording::read(file, Some(machine.axis.kind))).collect()
+        files.iter().map(|file| Recording::of(file, &machine)).collect()
     };
     let (recordings, holdout) = (read(&args.recordings)?, read(&args.holdout)?);
     let warnings = precheck::warnings(&machine, &recordings, &holdout, Purpose::Diagnose)?;
@@ -134,8 +133,7 @@ impl Args {
     fn check_ids(&self) -> Result<(), Error> {
         for id in self.only.iter().chain(&self.without) {
             if effects().all(|known| known != id) && id != crate::read::vocabulary::CONTROLLER {
-                let known: Vec<&str> = effects().collect();
-                return Err(Error::Usage(format!("there is no effect `{id}`; known are {}", known.join(", "))));
+                return Err(crate::effects::unknown(id));
             }
         }
         Ok(())

@@ -27,7 +27,7 @@ pub struct Args {
 /// An effect that does not exist, outputs that cannot be written.
 pub fn run(args: &Args) -> Result<(), Error> {
     if let Some(id) = args.only.iter().find(|id| effects::find(id).is_none()) {
-        return Err(Error::Usage(format!("there is no effect `{id}`")));
+        return Err(effects::unknown(id));
     }
     let mut files = args.overwrite.files();
     let picture = |effect: &&Effect| (effect.id, files.writes(&args.out.join(format!("{}.svg", effect.id))));

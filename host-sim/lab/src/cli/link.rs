@@ -16,7 +16,6 @@ use crate::line::{Line, Stream};
 
 /// Flags of `link`.
 #[derive(Debug, clap::Args)]
-#[command(after_help = super::EXIT_CODES)]
 pub struct Args {
     #[command(flatten)]
     line: LineArgs,

@@ -1,10 +1,15 @@
 //! One file for each command: its flags and what it does with them.
 
 mod compare;
+mod convert;
 mod decode;
 mod demo;
 mod diagnose;
+mod doctor;
+mod examples;
 mod guide;
+mod help;
+mod init;
 mod link;
 mod machine;
 mod paper;
@@ -32,7 +37,7 @@ Exit codes:
 
 /// Simulate, replay, compare and diagnose recordings of the servo.
 #[derive(Debug, clap::Parser)]
-#[command(name = "servo-lab", version, after_help = EXIT_CODES)]
+#[command(name = "servo-lab", version, after_help = EXIT_CODES, disable_help_subcommand = true)]
 pub struct Cli {
     #[command(subcommand)]
     command: Command,
@@ -40,32 +45,62 @@ pub struct Cli {
 
 #[derive(Debug, clap::Subcommand)]
 enum Command {
+    /// Guess a machine file from logs as they are: columns, units, sampling, and a first model.
+    #[command(after_help = examples::INIT)]
+    Init(init::Args),
+    /// Write a log of any format that is read as a recording: CSV or Parquet.
+    #[command(after_help = examples::CONVERT)]
+    Convert(convert::Args),
+    /// Look whether everything is there that a drive needs, or whether a log is fit to be diagnosed.
+    #[command(after_help = examples::DOCTOR)]
+    Doctor(doctor::Args),
     /// Run the closed loop of the flashed control law and the simulated plant; write a recording.
+    #[command(after_help = examples::SIMULATE)]
     Simulate(simulate::Args),
     /// Run the recorded inputs through the control law; name the first command that differs, to the bit.
+    #[command(after_help = examples::REPLAY)]
     Replay(replay::Args),
     /// Drive the nominal model with the recorded commands; show where the position disagrees.
+    #[command(after_help = examples::COMPARE)]
     Compare(compare::Args),
     /// Turn the log of the image (RTT bytes) into a recording.
+    #[command(after_help = examples::DECODE)]
     Decode(decode::Args),
     /// Record one run of a drive from the log it sends; the file is whole whenever the recording ends.
+    #[command(after_help = examples::RECORD)]
     Record(record::Args),
     /// Command a drive over its serial link: state, parameters, reference, experiments, recordings.
+    #[command(after_help = examples::LINK)]
     Link(link::Args),
     /// Find what the model leaves out of the recordings, with its parameters, or say that they cannot tell.
+    #[command(after_help = examples::DIAGNOSE)]
     Diagnose(diagnose::Args),
     /// Diagnose machines with concealed effects, blind, and count what was found.
+    #[command(after_help = examples::PROVE)]
     Prove(prove::Args),
     /// Stability of the linear loop by four methods: margins, limits, area, picture.
+    #[command(after_help = examples::STABILITY)]
     Stability(stability::StabilityArgs),
     /// Reproduce the paper: its figures, and a table of what became of each claim.
+    #[command(after_help = examples::PAPER)]
     Paper(paper::Args),
     /// Find gains that keep margins over the uncertainty of every delay, and settle fast; write the parameter file.
+    #[command(after_help = examples::TUNE)]
     Tune(tune::Args),
     /// Field guide: what each effect looks like, what it is confused with, what tells them apart, how small it may be.
+    #[command(after_help = examples::GUIDE)]
     Guide(guide::Args),
     /// Do the main job on embedded data: loop, recording with something left out of the model, comparison.
+    #[command(after_help = examples::DEMO)]
     Demo(demo::Args),
+    /// Explain a command, the vocabulary of effects, or the formats of logs.
+    Help(help::HelpArgs),
+    /// Print completions for a shell.
+    #[command(after_help = examples::COMPLETIONS)]
+    Completions(help::CompletionsArgs),
+    /// Write a man page for every command.
+    #[command(after_help = examples::MAN)]
+    Man(help::ManArgs),
 }
 
 /// Flag of the commands that write files.
@@ -91,6 +126,12 @@ impl Cli {
     pub fn run(&self) -> Result<ExitCode, Error> {
         match &self.command {
             Command::Diagnose(args) => return diagnose::run(args),
+            Command::Help(args) => help::help(args),
+            Command::Completions(args) => help::completions(args),
+            Command::Man(args) => help::man(args),
+            Command::Convert(args) => convert::run(args),
+            Command::Doctor(args) => doctor::run(args),
+            Command::Init(args) => init::run(args),
             Command::Simulate(args) => simulate::run(args),
             Command::Replay(args) => replay::run(args),
             Command::Compare(args) => compare::run(args),

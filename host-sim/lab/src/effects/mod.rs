@@ -192,6 +192,8 @@ impl Effect {
     }
 
     /// Bounds and scale of each value on a machine.
+    #[allow(clippy::manual_clamp, reason = "a size that is no number becomes the smallest, where clamp would keep it")]
+    #[allow(clippy::manual_clamp, reason = "a size that is no number becomes the smallest, where clamp would keep it")]
     pub fn ranges(&self, count: usize, physics: &Physics, excitation: &Excitation) -> Vec<Range> {
         let range = |index| {
             let parameter = self.parameter(index);
@@ -291,6 +293,13 @@ pub fn find(id: &str) -> Option<&'static Effect> {
     VOCABULARY.iter().find(|effect| effect.id == id).copied()
 }
 
+/// That there is no effect `id`, with the nearest there is.
+pub fn unknown(id: &str) -> crate::Error {
+    let near = crate::read::nearest(id, VOCABULARY.iter().map(|effect| effect.id));
+    let near = near.map_or_else(String::new, |near| format!("; the nearest is `{near}`"));
+    crate::Error::Usage(format!("there is no effect `{id}`{near}; `servo-lab help effects` lists them"))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -316,6 +325,7 @@ mod tests {
                 er,
             },
             controller: None,
+            columns: Default::default(),
             effects: Vec::new(),
         }
     }

@@ -86,6 +86,7 @@ impl Default for Guide {
                 er: Some(ErNominal { a: 0.0704, b: 0.470, dead_time_s: 0.002, lag_s: 0.003 }),
             },
             controller: Some(Config::default()),
+            columns: Default::default(),
             effects: Vec::new(),
         };
         let sensor_rms = resolution / 12.0_f64.sqrt();

@@ -81,7 +81,8 @@ fn now() -> SystemTime {
 }
 
 fn sha256(file: &Path) -> io::Result<Option<String>> {
-    if !std::fs::metadata(file)?.is_file() {
+    // Standard input was read already.
+    if file.as_os_str() == "-" || !std::fs::metadata(file)?.is_file() {
         return Ok(None);
     }
     let mut hasher = Sha256::new();

@@ -5,7 +5,7 @@
 
 mod finding;
 mod inertia;
-mod windows;
+pub(crate) mod windows;
 
 pub use finding::{Finding, Problem, Severity};
 

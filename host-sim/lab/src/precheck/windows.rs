@@ -11,7 +11,7 @@ const MOVES_BY: f64 = 1e-3;
 
 /// One window of the torque balance.
 #[derive(Debug, Clone)]
-pub(super) struct Window {
+pub(crate) struct Window {
     /// Mean speed, rad/s (m/s).
     pub speed: f64,
     /// Acceleration, rad/s2 (m/s2).
@@ -23,7 +23,7 @@ pub(super) struct Window {
 }
 
 /// The lower median of the steps of time, s; 0 of fewer than two rows.
-pub(super) fn median_period_s(t_s: &[f64]) -> f64 {
+pub(crate) fn median_period_s(t_s: &[f64]) -> f64 {
     let mut steps: Vec<f64> = t_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
     if steps.is_empty() {
         return 0.0;
@@ -34,7 +34,7 @@ pub(super) fn median_period_s(t_s: &[f64]) -> f64 {
 
 /// Windows of about `length_s` that move and hold no gap, each half over the one before, or spread evenly where those were
 /// more than are looked at.
-pub(super) fn windows(machine: &Machine, recording: &Recording, period_s: f64, length_s: f64) -> Vec<Window> {
+pub(crate) fn windows(machine: &Machine, recording: &Recording, period_s: f64, length_s: f64) -> Vec<Window> {
     let rows = ((length_s / period_s).round() as usize).max(FEWEST_ROWS);
     let all = recording.rows();
     if all < rows {

@@ -30,6 +30,7 @@ fn machine() -> Machine {
             er: Some(ErNominal { a: 0.0704, b: 0.470, dead_time_s: 0.002, lag_s: 0.003 }),
         },
         controller: Some(Config::default()),
+        columns: Default::default(),
         effects: Vec::new(),
     }
 }

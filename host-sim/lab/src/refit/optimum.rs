@@ -222,6 +222,7 @@ mod tests {
                 er,
             },
             controller: None,
+            columns: Default::default(),
             effects: Vec::new(),
         })
     }

@@ -8,11 +8,11 @@ use super::motion::Motion;
 /// Gauss's five-point rule on [0, 1]: places and weights. The bump's second derivative times the cubic is of degree nine, for
 /// which it is exact; with three points what a bump read depended on where it stood between two samples.
 const GAUSS: [(f64, f64); 5] = [
-    (0.046_910_077_030_668_0, 0.118_463_442_528_094_5),
+    (0.046_910_077_030_668, 0.118_463_442_528_094_5),
     (0.230_765_344_947_158_5, 0.239_314_335_249_683_2),
     (0.5, 0.284_444_444_444_444_4),
     (0.769_234_655_052_841_5, 0.239_314_335_249_683_2),
-    (0.953_089_922_969_332_0, 0.118_463_442_528_094_5),
+    (0.953_089_922_969_332, 0.118_463_442_528_094_5),
 ];
 /// Integral of (1 - s^2)^4 over [-1, 1].
 const AREA: f64 = 256.0 / 315.0;

@@ -26,6 +26,7 @@ pub fn machine(resolution: f64) -> Machine {
             er: Some(ErNominal { a: 0.0704, b: 0.470, dead_time_s: 0.002, lag_s: 0.003 }),
         },
         controller: None,
+        columns: Default::default(),
         effects: Vec::new(),
     }
 }

@@ -1,4 +1,4 @@
-//! Catches the panics of the Parquet decoder.
+//! Catches the panics of decoders.
 //!
 //! The crate `parquet` panics on some damaged pages (an unknown page type, counts that disagree), where a recording must
 //! give one message. The panic is caught here, and its report to standard error kept back on this thread only.
@@ -12,7 +12,7 @@ thread_local! {
 }
 
 /// What `decode` gives; none where it panicked. `decode` must own all it changes, as its state is lost then.
-pub(super) fn caught<T>(decode: impl FnOnce() -> T) -> Option<T> {
+pub(crate) fn caught<T>(decode: impl FnOnce() -> T) -> Option<T> {
     static HOOK: Once = Once::new();
     HOOK.call_once(|| {
         let report = panic::take_hook();

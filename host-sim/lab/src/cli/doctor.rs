@@ -1,0 +1,76 @@
+//! `servo-lab doctor`: whether everything is there that a drive needs, and whether a log is fit to be diagnosed.
+
+mod log;
+mod machine;
+
+use std::path::PathBuf;
+
+use crate::read::{Machine, MapFlag};
+use crate::{Error, output};
+
+/// Flags of `doctor`.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// Logs to look at: rate, jitter, gaps, delay between torque and motion, saturation; without one, the tools and rights of
+    /// this computer.
+    #[arg(value_name = "LOG")]
+    logs: Vec<PathBuf>,
+    /// Machine file whose [columns] say what the columns are; without it, they are guessed as init does.
+    #[arg(long, value_name = "FILE")]
+    machine: Option<PathBuf>,
+    /// What a column is, as init takes it.
+    #[arg(long, value_name = "KEY=NAME:UNIT*SCALE", conflicts_with = "machine")]
+    map: Vec<MapFlag>,
+}
+
+/// Whether something is as it should be.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum State {
+    Good,
+    /// Works, or is needed for some things only.
+    Note,
+    Bad,
+}
+
+/// One thing that was looked at.
+#[derive(Debug, Clone, PartialEq)]
+struct Check {
+    state: State,
+    what: &'static str,
+    /// What was found, and what to do where it is not good.
+    found: String,
+}
+
+impl Check {
+    fn new(state: State, what: &'static str, found: impl Into<String>) -> Self {
+        Self { state, what, found: found.into() }
+    }
+}
+
+fn text(checks: &[Check]) -> String {
+    let line = |check: &Check| {
+        let state = match check.state {
+            State::Good => "ok  ",
+            State::Note => "note",
+            State::Bad => "BAD ",
+        };
+        format!("{state}  {:12} {}\n", check.what, check.found)
+    };
+    checks.iter().map(line).collect()
+}
+
+/// Looks at this computer, or at logs, and prints what was found.
+///
+/// # Errors
+/// Files that cannot be read.
+pub fn run(args: &Args) -> Result<(), Error> {
+    if args.logs.is_empty() {
+        return output::print(&text(&machine::checks()));
+    }
+    let machine = args.machine.as_deref().map(Machine::read).transpose()?;
+    let mut all = String::new();
+    for file in &args.logs {
+        all += &format!("{}\n{}", file.display(), text(&log::checks(file, machine.as_ref(), &args.map)?));
+    }
+    output::print(&all)
+}

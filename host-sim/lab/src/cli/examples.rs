@@ -1,0 +1,65 @@
+//! One example for each command, for its `--help`.
+
+pub(super) const INIT: &str = "\
+Example:
+  servo-lab init run1.csv --map position=pos:mm --map force=i:A*12.5 --map time=ts:us -o machine.toml
+  servo-lab diagnose --machine machine.toml run1.csv";
+pub(super) const CONVERT: &str = "\
+Example:
+  servo-lab init run.csv.gz -o machine.toml
+  servo-lab convert run.csv.gz --machine machine.toml -o run.parquet";
+pub(super) const DOCTOR: &str = "\
+Example:
+  servo-lab doctor
+  servo-lab doctor run.csv --machine machine.toml";
+pub(super) const SIMULATE: &str = "\
+Example:
+  servo-lab simulate steps --amplitude-deg 20 --out run.csv";
+pub(super) const REPLAY: &str = "\
+Example:
+  servo-lab replay --machine machine.toml run.csv";
+pub(super) const COMPARE: &str = "\
+Example:
+  servo-lab compare --machine machine.toml --plots out run1.csv run2.csv";
+pub(super) const DECODE: &str = "\
+Example:
+  servo-lab decode --elf er-servo rtt.bin --out run.csv";
+pub(super) const RECORD: &str = "\
+Example:
+  servo-lab record --elf er-servo --tcp localhost:9090 --for-s 10 --out run.csv";
+pub(super) const DIAGNOSE: &str = "\
+Example:
+  servo-lab diagnose --machine machine.toml --html answer.html run1.csv --holdout run2.csv
+  servo-lab diagnose --machine machine.toml --json - --fail-on explained run1.csv
+
+What the exit codes mean: servo-lab --help";
+pub(super) const LINK: &str = "\
+Example:
+  servo-lab link --port /dev/ttyUSB0 enable
+  servo-lab link --port /dev/ttyUSB0 run chirp --amplitude-deg 5 --to-hz 8 --duration-s 20
+
+What the exit codes mean: servo-lab --help";
+pub(super) const PROVE: &str = "\
+Example:
+  servo-lab prove --quick --out out/prove";
+pub(super) const STABILITY: &str = "\
+Example:
+  servo-lab stability --delay-ms 5 --out out/stability";
+pub(super) const PAPER: &str = "\
+Example:
+  servo-lab paper --out out/paper";
+pub(super) const TUNE: &str = "\
+Example:
+  servo-lab tune --machine machine.toml --phase-margin-deg 40 --out out/tune";
+pub(super) const GUIDE: &str = "\
+Example:
+  servo-lab guide --only coulomb_friction,backlash --out out/guide";
+pub(super) const DEMO: &str = "\
+Example:
+  servo-lab demo";
+pub(super) const COMPLETIONS: &str = "\
+Example:
+  servo-lab completions bash > ~/.local/share/bash-completion/completions/servo-lab";
+pub(super) const MAN: &str = "\
+Example:
+  servo-lab man --out ~/.local/share/man/man1";

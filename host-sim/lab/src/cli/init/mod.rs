@@ -1,0 +1,118 @@
+//! `servo-lab init`.
+
+mod text;
+
+use std::path::{Path, PathBuf};
+
+use super::Overwrite;
+use crate::first_model::{FirstModel, first_model};
+use crate::output::formats;
+use crate::precheck::windows::median_period_s;
+use crate::read::{Axis, AxisKind, Column, Guess, Machine, MapFlag, Mapping, Recording, Table, guess, position_step};
+use crate::{Error, output};
+
+/// Flags of `init`.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// Logs of one machine with the same columns; CSV (`,` `;` tab, decimal comma), Parquet, .gz and others, - for standard
+    /// input.
+    #[arg(required = true, value_name = "LOG")]
+    logs: Vec<PathBuf>,
+    /// What a column is: time, position, torque (force on a linear axis), reference, velocity and others, as
+    /// KEY=NAME[:UNIT[*SCALE]]; units such as us, deg, mrad, rev, counts(8192), mm, mN m, A, V. Once for each column.
+    #[arg(long, value_name = "KEY=NAME:UNIT*SCALE")]
+    map: Vec<MapFlag>,
+    /// The kind of axis, where no unit tells it.
+    #[arg(long, value_name = "rotary|linear", value_parser = axis_kind)]
+    axis: Option<AxisKind>,
+    /// Where the machine file goes.
+    #[arg(long, short, value_name = "FILE", default_value = "machine.toml")]
+    out: PathBuf,
+    #[command(flatten)]
+    overwrite: Overwrite,
+}
+
+fn axis_kind(text: &str) -> Result<AxisKind, String> {
+    let kind = AxisKind::ALL.into_iter().find(|kind| kind.name() == text);
+    kind.ok_or_else(|| "must be rotary or linear".to_owned())
+}
+
+/// Everything that is known of the machine from its logs.
+struct Findings<'a> {
+    logs: &'a [PathBuf],
+    axis: Axis,
+    guesses: Vec<Guess>,
+    /// What the columns are; empty where the logs have those of the format.
+    mapping: Mapping,
+    recordings: Vec<Recording>,
+    model: Option<FirstModel>,
+}
+
+/// Guesses a machine file, prints what it guessed and how sure, and writes it.
+///
+/// # Errors
+/// Logs that cannot be read, columns that no name tells, outputs that cannot be written.
+pub fn run(args: &Args) -> Result<(), Error> {
+    let mut files = args.overwrite.files();
+    files.reads_all(&args.logs);
+    let out = files.writes(&args.out);
+    let mut outputs = files.check()?;
+    let findings = find(args)?;
+    let machine = text::machine_file(&findings);
+    // What is written reads back, or is not written.
+    Machine::from_bytes(&args.out, machine.as_bytes())?;
+    output::text(&mut outputs, out, &formats::toml(&machine))?;
+    outputs.finish()?;
+    output::print(&text::summary(&findings, outputs.file(out)))
+}
+
+fn find(args: &Args) -> Result<Findings<'_>, Error> {
+    let Some(first) = args.logs.first() else { return Err(Error::Usage("no log is given".to_owned())) };
+    let usage = |message: String| Error::input(first, None, "", message);
+    let table = Table::read(first)?;
+    let (kind, mut guesses) = guess(&table, &args.map, args.axis).map_err(usage)?;
+    let mut axis = Axis { kind, sample_period_s: 1e-3, resolution: 0.0 };
+    let mut mapping = mapping_of(&guesses, kind).map_err(usage)?;
+    let mut recordings = read(&args.logs, &axis, &mapping)?;
+    axis.sample_period_s = recordings.first().map_or(1e-3, |recording| median_period_s(&recording.t_s)).min(1.0);
+    let steps = recordings.iter().filter_map(|recording| position_step(&recording.position));
+    axis.resolution = steps.reduce(f64::min).unwrap_or(0.0);
+    let model = first_model(&axis, &recordings);
+    if model.as_ref().is_some_and(|model| model.reversed) && !given(args, Column::EffortCmd, kind) {
+        for guess in guesses.iter_mut().filter(|guess| guess.mapped.column == Column::EffortCmd) {
+            guess.mapped = guess.mapped.clone().reversed();
+            guess.because += "; sign turned: it pushed against the acceleration";
+            guess.unsure = true;
+        }
+        mapping = mapping_of(&guesses, kind).map_err(usage)?;
+        recordings = read(&args.logs, &axis, &mapping)?;
+    }
+    let model = first_model(&axis, &recordings);
+    Ok(Findings { logs: &args.logs, axis, guesses, mapping, recordings, model })
+}
+
+/// Whether a flag gives the column with a unit or scale, which is then left as it is.
+fn given(args: &Args, column: Column, axis: AxisKind) -> bool {
+    args.map.iter().any(|flag| flag.key == column.key(axis) && flag.scale.is_some())
+}
+
+/// The mapping of the guesses; empty where they are the format's own columns.
+fn mapping_of(guesses: &[Guess], axis: AxisKind) -> Result<Mapping, String> {
+    let own = |guess: &Guess| guess.mapped.name == guess.mapped.column.name(axis) && guess.mapped.factor() == 1.0;
+    if guesses.iter().all(own) {
+        return Ok(Mapping::default());
+    }
+    Mapping::new(guesses.iter().map(|guess| guess.mapped.clone()).collect(), axis)
+}
+
+fn read(logs: &[PathBuf], axis: &Axis, mapping: &Mapping) -> Result<Vec<Recording>, Error> {
+    logs.iter().map(|log| Recording::mapped(log, axis.kind, mapping)).collect()
+}
+
+/// The name of a machine from that of its first log.
+fn name(logs: &[PathBuf]) -> String {
+    let file = logs.first().map(PathBuf::as_path).unwrap_or(Path::new("machine"));
+    let name = file.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+    let stem = name.split('.').next().unwrap_or_default();
+    if stem.is_empty() || stem == "-" { "machine".to_owned() } else { stem.to_owned() }
+}

@@ -1,0 +1,182 @@
+//! The machine file of `init`, with a comment on every line, and what it prints.
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use super::{Findings, name};
+use crate::first_model::{FirstModel, Value};
+use crate::read::AxisKind;
+use crate::report::Units;
+
+/// An explained share of the effort below which the first model is not to be trusted: half of it is something else.
+const EXPLAINED_ENOUGH: f64 = 0.5;
+
+/// In four digits, as many as a first guess has.
+fn digits(value: f64) -> String {
+    let rounded: f64 = format!("{value:.3e}").parse().unwrap_or(value);
+    format!("{rounded:?}")
+}
+
+/// One setting of the machine file: key, value, comment.
+struct Line {
+    key: &'static str,
+    value: String,
+    comment: String,
+}
+
+/// The text of the machine file.
+pub(super) fn machine_file(findings: &Findings<'_>) -> String {
+    let logs: Vec<String> =
+        findings.logs.iter().map(|log| log.display().to_string().replace(['\n', '\r'], " ")).collect();
+    let mut text = format!("# A first model, guessed from {}.\n", logs.join(", "));
+    text += "# Correct what you know better: lines with UNSURE first.\n";
+    let name = toml::Value::String(name(findings.logs));
+    let _ = write!(text, "schema = 1\nname = {name}\n\n[axis]\nkind = \"{}\"\n", findings.axis.kind.name());
+    for Line { key, value, comment } in axis(findings) {
+        let _ = writeln!(text, "{key} = {value} # {comment}");
+    }
+    text += "\n[plant]\n";
+    for Line { key, value, comment } in plant(findings) {
+        let _ = writeln!(text, "{key} = {value} # {comment}");
+    }
+    if !findings.mapping.is_empty() {
+        text += "\n# What the columns of the logs are: name, unit, and a factor on top of the unit.\n[columns]\n";
+        for guess in &findings.guesses {
+            let unsure = if guess.unsure { "UNSURE: " } else { "" };
+            let because = guess.because.replace(['\n', '\r'], " ");
+            let _ = writeln!(text, "{} # {unsure}{because}", guess.mapped.to_toml(findings.axis.kind));
+        }
+    }
+    if let Some((amplitude, phase_rad)) = findings.model.as_ref().and_then(|model| model.gravity) {
+        text += "\n# Weight on an arm: amplitude sin(position + phase) is what holds it.\n[[effects]]\nid = \"gravity_load\"\n";
+        let (value, comment) = (digits(amplitude.value), interval(amplitude, "N m"));
+        let _ = write!(text, "amplitude_nm = {value} # {comment}\nphase_rad = {}\n", digits(phase_rad));
+    }
+    text
+}
+
+fn axis(findings: &Findings<'_>) -> [Line; 2] {
+    let steps: Vec<f64> = findings
+        .recordings
+        .iter()
+        .flat_map(|recording| recording.t_s.windows(2).map(|pair| pair[1] - pair[0]))
+        .collect();
+    let period_s = findings.axis.sample_period_s;
+    let mut away: Vec<f64> = steps.iter().map(|step| (step - period_s).abs()).collect();
+    away.sort_by(f64::total_cmp);
+    let jitter = away.get(away.len() * 9 / 10).map_or(0.0, |away| 100.0 * away / period_s);
+    let unit = Units::of(findings.axis.kind).position;
+    let resolution = findings.axis.resolution;
+    let told = if resolution > 0.0 { "smallest step of the position" } else { "no steps are seen; continuous" };
+    [
+        Line {
+            key: "sample_period_s",
+            value: digits(period_s),
+            comment: format!("s; median of {} steps, nine in ten within {jitter:.1} %", steps.len()),
+        },
+        Line { key: "resolution", value: digits(resolution), comment: format!("{unit}; {told}") },
+    ]
+}
+
+fn interval(value: Value, unit: &str) -> String {
+    let unsure = if value.is_known() { "" } else { "UNSURE: " };
+    format!("{unsure}{unit}, +- {} (95 %)", digits(value.within))
+}
+
+/// Units of inertia, friction level, viscous friction.
+fn units(axis: AxisKind) -> [&'static str; 3] {
+    match axis {
+        AxisKind::Rotary => ["kg m2", "N m", "N m s/rad"],
+        AxisKind::Linear => ["kg", "N", "N s/m"],
+    }
+}
+
+fn plant(findings: &Findings<'_>) -> Vec<Line> {
+    let [inertia, effort, viscous] = units(findings.axis.kind);
+    let Some(model) = &findings.model else {
+        let comment = format!("UNSURE: {inertia}; nothing in the logs tells it: put in what you know");
+        return vec![Line { key: "inertia", value: "1.0".to_owned(), comment }];
+    };
+    let line = |key, value: Value, unit| {
+        // Friction that drives is none.
+        let negative = value.value <= 0.0 && key != "torque_offset";
+        let kept = if negative { 0.0 } else { value.value };
+        let comment = if negative {
+            format!("{unit}; fitted {} +- {}, which none is", digits(value.value), digits(value.within))
+        } else {
+            interval(value, unit)
+        };
+        Line { key, value: digits(kept), comment }
+    };
+    vec![
+        inertia_line(model, inertia),
+        line("coulomb", model.coulomb, effort),
+        line("viscous", model.viscous, viscous),
+        line("torque_offset", model.offset, effort),
+    ]
+}
+
+fn inertia_line(model: &FirstModel, unit: &str) -> Line {
+    let value = model.inertia;
+    if value.value > 0.0 {
+        return Line { key: "inertia", value: digits(value.value), comment: interval(value, unit) };
+    }
+    // An inertia must be above 0; the largest that fits is one.
+    let most = (value.value + value.within).abs().max(value.within * 0.5).max(f64::MIN_POSITIVE);
+    let most = if most.is_finite() { most } else { 1.0 };
+    let comment = format!("UNSURE: {unit}; the motion does not tell it, at most about this");
+    Line { key: "inertia", value: digits(most), comment }
+}
+
+/// What is printed: every guess with why and how sure, and what to do next.
+pub(super) fn summary(findings: &Findings<'_>, file: &Path) -> String {
+    let mut text = String::from("columns\n");
+    let kind = findings.axis.kind;
+    for guess in &findings.guesses {
+        let unsure = if guess.unsure { "UNSURE  " } else { "        " };
+        let (key, name, unit) = (guess.mapped.column.key(kind), &guess.mapped.name, &guess.mapped.unit);
+        let scale = if guess.mapped.scale == 1.0 { String::new() } else { format!(" x {}", guess.mapped.scale) };
+        let _ = writeln!(text, "{unsure}{key:16} `{name}` in {unit}{scale}; {}", guess.because);
+    }
+    let _ = writeln!(text, "axis\n        {:16} {}", "kind", kind.name());
+    let mut lines = |title: &str, lines: Vec<Line>| {
+        text += title;
+        for Line { key, value, comment } in lines {
+            let (unsure, comment) = comment
+                .strip_prefix("UNSURE: ")
+                .map_or(("        ", comment.as_str()), |comment| ("UNSURE  ", comment));
+            let _ = writeln!(text, "{unsure}{key:16} {value} {comment}");
+        }
+    };
+    lines("", axis(findings).into());
+    lines("first model, by robust least squares\n", plant(findings));
+    if let Some(model) = &findings.model {
+        if let Some((amplitude, phase_rad)) = model.gravity {
+            let value =
+                format!("{} {}, phase {} rad", digits(amplitude.value), interval(amplitude, "N m"), digits(phase_rad));
+            let _ = writeln!(text, "        {:16} {value}", "gravity");
+        }
+        let percent = 100.0 * model.explained;
+        let note = if model.explained < EXPLAINED_ENOUGH {
+            ": too little to trust it; is the torque column the right one, is its unit, does the axis accelerate?"
+        } else {
+            ""
+        };
+        let _ = writeln!(
+            text,
+            "        it explains {percent:.0} % of the variance of the {}{note}",
+            Units::of(kind).effort_name
+        );
+        if model.reversed {
+            text += "UNSURE  the effort pushes against the acceleration: turn its sign with *-1 in --map\n";
+        }
+    } else {
+        text += "UNSURE  nothing moves enough for a first model\n";
+    }
+    for recording in &findings.recordings {
+        text.extend(recording.notes().iter().map(|note| format!("note: {note}\n")));
+    }
+    let log = findings.logs.first().map(|log| log.display().to_string()).unwrap_or_default();
+    let file = file.display();
+    text + &format!("wrote {file}\nnext: look at it, then servo-lab diagnose --machine {file} {log}\n")
+}

@@ -1,0 +1,340 @@
+//! How the columns of somebody else's log become those of a recording: section `[columns]` of a machine file.
+//!
+//! ```toml
+//! [columns]
+//! time = { name = "ts", unit = "us" }
+//! position = { name = "enc", unit = "counts(8192)" }
+//! torque = { name = "iq", unit = "A", scale = -0.12 } # N m per A
+//! ```
+
+use super::nearest::{misspelt, quoted};
+use super::toml_section::Section;
+use super::units::{self, Quantity};
+use super::vocabulary::Allowed;
+use super::{AxisKind, Column};
+use crate::Error;
+
+/// One column of the log and what it is.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MappedColumn {
+    /// Which column of a recording it is.
+    pub column: Column,
+    /// Its name in the log.
+    pub name: String,
+    /// Its unit in the log: `deg`, `mN m`, `counts(8192)`; empty for a column without one, such as `mode`.
+    pub unit: String,
+    /// Factor on top of the unit: a sign, N m per A, N per V.
+    pub scale: f64,
+    /// What one of the log is in the unit of the format, scale included.
+    factor: f64,
+}
+
+/// The columns of a log; at most one for each of a recording. Empty for logs that have the format's own.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Mapping(Vec<MappedColumn>);
+
+impl Column {
+    /// The key in `[columns]` and in `--map`.
+    pub fn key(self, axis: AxisKind) -> &'static str {
+        let (rotary, linear) = match self {
+            Self::Time => ("time", "time"),
+            Self::Reference => ("reference", "reference"),
+            Self::Position => ("position", "position"),
+            Self::EffortCmd => ("torque", "force"),
+            Self::FieldCmd => ("field", "field"),
+            Self::Mode => ("mode", "mode"),
+            Self::Velocity => ("velocity", "velocity"),
+            Self::EffortMeas => ("torque_measured", "force_measured"),
+            Self::FieldMeas => ("field_measured", "field_measured"),
+            Self::Temperature => ("temperature", "temperature"),
+            Self::Seq => ("seq", "seq"),
+            Self::Fault => ("fault", "fault"),
+            Self::Counts => ("counts", "counts"),
+        };
+        match axis {
+            AxisKind::Rotary => rotary,
+            AxisKind::Linear => linear,
+        }
+    }
+
+    /// The column that a key of `[columns]` means on this axis.
+    pub fn by_key(key: &str, axis: AxisKind) -> Option<Self> {
+        Self::ALL.into_iter().find(|column| column.key(axis) == key)
+    }
+
+    /// What its numbers may measure in a log, the format's own first; empty for whole numbers and words.
+    pub(crate) fn quantities(self, axis: AxisKind) -> &'static [Quantity] {
+        use Quantity::{
+            Angle, AngularSpeed, Counts, Current, Field, Force, Length, Speed, Temperature, Time, Torque, Voltage,
+        };
+        match (self, axis) {
+            (Self::Time, _) => &[Time],
+            (Self::Position | Self::Reference, AxisKind::Rotary) => &[Angle, Counts],
+            (Self::Position | Self::Reference, AxisKind::Linear) => &[Length, Counts],
+            (Self::EffortCmd | Self::EffortMeas, AxisKind::Rotary) => &[Torque, Current, Voltage],
+            (Self::EffortCmd | Self::EffortMeas, AxisKind::Linear) => &[Force, Current, Voltage],
+            (Self::Velocity, AxisKind::Rotary) => &[AngularSpeed],
+            (Self::Velocity, AxisKind::Linear) => &[Speed],
+            (Self::FieldCmd | Self::FieldMeas, _) => &[Field],
+            (Self::Temperature, _) => &[Temperature],
+            (Self::Mode | Self::Seq | Self::Fault | Self::Counts, _) => &[],
+        }
+    }
+
+    /// The unit of the format as a person writes it; empty for whole numbers and words.
+    pub fn unit(self, axis: AxisKind) -> &'static str {
+        match (self.quantities(axis).first(), axis) {
+            (Some(Quantity::Time), _) => "s",
+            (Some(Quantity::Angle), _) => "rad",
+            (Some(Quantity::Length), _) => "m",
+            (Some(Quantity::Torque), _) => "N m",
+            (Some(Quantity::Force), _) => "N",
+            (Some(Quantity::AngularSpeed), _) => "rad/s",
+            (Some(Quantity::Speed), _) => "m/s",
+            (Some(Quantity::Field), _) => "kV/mm",
+            (Some(Quantity::Temperature), _) => "C",
+            _ => "",
+        }
+    }
+}
+
+impl MappedColumn {
+    /// The column `name` of a log, in `unit` (empty: the format's own) and times `scale`; without a scale, 1.
+    ///
+    /// # Errors
+    /// What is wrong, as a sentence: a unit that is not known or not of such a column, a current or voltage without a scale.
+    pub fn new(column: Column, axis: AxisKind, name: &str, unit: &str, scale: Option<f64>) -> Result<Self, String> {
+        let quantities = column.quantities(axis);
+        let own = column.unit(axis);
+        let unit = if unit.trim().is_empty() { own } else { unit.trim() };
+        if quantities.is_empty() {
+            return if unit.is_empty() && scale.is_none() {
+                Ok(Self { column, name: name.to_owned(), unit: String::new(), scale: 1.0, factor: 1.0 })
+            } else {
+                Err(format!("`{}` has neither unit nor scale", column.key(axis)))
+            };
+        }
+        let counts = if quantities.contains(&Quantity::Counts) {
+            format!(", counts(number in a {})", if axis == AxisKind::Rotary { "revolution" } else { "metre" })
+        } else {
+            String::new()
+        };
+        let allowed = || format!("allowed are {}{counts}", units::written(quantities));
+        let measure = units::measure(unit).ok_or_else(|| format!("{} is not a unit; {}", quoted(unit), allowed()))?;
+        if !quantities.contains(&measure.quantity) {
+            let (key, kind) = (column.key(axis), axis.name());
+            return Err(format!("{} is not a unit of `{key}` on a {kind} axis; {}", quoted(unit), allowed()));
+        }
+        let needs_scale = matches!(measure.quantity, Quantity::Current | Quantity::Voltage);
+        if needs_scale && scale.is_none() {
+            return Err(format!("{} needs a scale: how many {own} one {unit} makes", quoted(unit)));
+        }
+        let scale = scale.unwrap_or(1.0);
+        if scale == 0.0 || !scale.is_finite() {
+            return Err(format!("scale {scale} is not allowed; must be a finite number other than 0"));
+        }
+        let factor = match (measure.quantity, axis) {
+            (Quantity::Counts, AxisKind::Rotary) => std::f64::consts::TAU / measure.factor,
+            (Quantity::Counts, AxisKind::Linear) => 1.0 / measure.factor,
+            // The scale says what one A or V of the log makes, mA and mV included.
+            (Quantity::Current | Quantity::Voltage, _) => 1.0,
+            _ => measure.factor,
+        };
+        Ok(Self { column, name: name.to_owned(), unit: unit.to_owned(), scale, factor: factor * scale })
+    }
+
+    /// What one of the log is in the unit of the format.
+    pub fn factor(&self) -> f64 {
+        self.factor
+    }
+
+    /// The same column, its values the other way round.
+    pub fn reversed(self) -> Self {
+        Self { scale: -self.scale, factor: -self.factor, ..self }
+    }
+
+    /// As `[columns]` holds it.
+    pub fn to_toml(&self, axis: AxisKind) -> String {
+        let name = toml::Value::String(self.name.clone());
+        let unit = if self.unit.is_empty() { String::new() } else { format!(", unit = \"{}\"", self.unit) };
+        let needs_scale = units::measure(&self.unit)
+            .is_some_and(|measure| matches!(measure.quantity, Quantity::Current | Quantity::Voltage));
+        let scale =
+            if self.scale == 1.0 && !needs_scale { String::new() } else { format!(", scale = {:?}", self.scale) };
+        format!("{} = {{ name = {name}{unit}{scale} }}", self.column.key(axis))
+    }
+}
+
+impl Mapping {
+    /// The columns of a log.
+    ///
+    /// # Errors
+    /// A column of a recording that is given twice, as a sentence.
+    pub fn new(columns: Vec<MappedColumn>, axis: AxisKind) -> Result<Self, String> {
+        for (index, mapped) in columns.iter().enumerate() {
+            if columns[..index].iter().any(|earlier| earlier.column == mapped.column) {
+                return Err(format!("`{}` is given twice", mapped.column.key(axis)));
+            }
+        }
+        Ok(Self(columns))
+    }
+
+    /// The columns, in the order they were given.
+    pub fn columns(&self) -> &[MappedColumn] {
+        &self.0
+    }
+
+    /// Whether logs have the format's own columns.
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// Section `[columns]`.
+    pub(crate) fn read(section: &Section<'_, '_>, axis: AxisKind) -> Result<Self, Error> {
+        let keys = Column::ALL.map(|column| column.key(axis));
+        section.only(&keys)?;
+        let mut columns = Vec::new();
+        for column in Column::ALL {
+            let key = column.key(axis);
+            let Some(entry) = section.section(key)? else {
+                if Column::REQUIRED.contains(&column) {
+                    let message = format!("is missing; [columns] must have {}", required(axis));
+                    return Err(section.error(section.span(), key, message));
+                }
+                continue;
+            };
+            entry.only(&["name", "unit", "scale"])?;
+            let (name, _) = entry.required_text("name", "the name of a column of the log, in quotes")?;
+            let unit = entry.text("unit", "a unit in quotes")?.map_or("", |(unit, _)| unit);
+            let scale = entry.number("scale", Allowed::Finite)?;
+            let mapped = MappedColumn::new(column, axis, name, unit, scale);
+            columns.push(mapped.map_err(|message| entry.error(entry.span(), "unit", message))?);
+        }
+        Ok(Self(columns))
+    }
+}
+
+fn required(axis: AxisKind) -> String {
+    Column::REQUIRED.map(|column| format!("`{}`", column.key(axis))).join(", ")
+}
+
+/// A `--map` flag taken apart: `torque=i:A*0.12`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MapFlag {
+    /// Key of `[columns]`.
+    pub key: String,
+    /// Name in the log.
+    pub name: String,
+    /// Unit; empty where none is given.
+    pub unit: String,
+    /// Factor on top of the unit.
+    pub scale: Option<f64>,
+}
+
+impl std::str::FromStr for MapFlag {
+    type Err = String;
+
+    /// `KEY=NAME`, `KEY=NAME:UNIT`, `KEY=NAME:UNIT*SCALE`, `KEY=NAME:*SCALE`; a name may hold colons where a unit follows.
+    fn from_str(text: &str) -> Result<Self, String> {
+        let form = "must be KEY=NAME, KEY=NAME:UNIT or KEY=NAME:UNIT*SCALE, such as torque=i:A*0.12";
+        let (key, rest) = text.split_once('=').ok_or_else(|| form.to_owned())?;
+        let (key, rest) = (key.trim(), rest.trim());
+        let both = AxisKind::ALL.map(|axis| Column::by_key(key, axis));
+        if both == [None, None] {
+            let keys: Vec<&str> =
+                Column::ALL.iter().flat_map(|column| AxisKind::ALL.map(|axis| column.key(axis))).collect();
+            let near = misspelt(key, keys.iter().copied());
+            let mut known: Vec<&str> = Vec::new();
+            keys.iter().for_each(|key| {
+                if !known.contains(key) {
+                    known.push(key)
+                }
+            });
+            let hint =
+                near.map_or_else(|| format!("known are {}", known.join(", ")), |near| format!("is `{near}` meant?"));
+            return Err(format!("{} is not a column of a recording; {hint}", quoted(key)));
+        }
+        let (name, unit, scale) = match rest.rsplit_once(':') {
+            None => (rest, "", None),
+            Some((name, after)) => {
+                let (unit, scale) = after.split_once('*').map_or((after, None), |(unit, scale)| (unit, Some(scale)));
+                (name, unit, scale)
+            }
+        };
+        if name.trim().is_empty() {
+            return Err(format!("no name of a column; {form}"));
+        }
+        let scale = scale.map(|scale| {
+            scale.trim().parse::<f64>().map_err(|_| format!("scale {} is not a number; {form}", quoted(scale)))
+        });
+        Ok(Self {
+            key: key.to_owned(),
+            name: name.trim().to_owned(),
+            unit: unit.trim().to_owned(),
+            scale: scale.transpose()?,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    fn factor(column: Column, axis: AxisKind, unit: &str, scale: Option<f64>) -> Result<f64, String> {
+        MappedColumn::new(column, axis, "x", unit, scale).map(|mapped| mapped.factor())
+    }
+
+    #[test]
+    fn units_become_those_of_the_format() {
+        use AxisKind::{Linear, Rotary};
+        for (column, axis, unit, scale, expected) in [
+            (Column::Time, Rotary, "us", None, 1e-6),
+            (Column::Time, Rotary, "ns", None, 1e-9),
+            (Column::Position, Rotary, "deg", None, 1f64.to_radians()),
+            (Column::Position, Rotary, "mrad", None, 1e-3),
+            (Column::Position, Rotary, "counts(8192)", None, std::f64::consts::TAU / 8192.0),
+            (Column::Position, Linear, "counts(20000000)", None, 5e-8),
+            (Column::Position, Linear, "um", None, 1e-6),
+            (Column::EffortCmd, Rotary, "A", Some(0.12), 0.12),
+            (Column::EffortCmd, Rotary, "mN m", None, 1e-3),
+            (Column::EffortCmd, Rotary, "N m", Some(-1.0), -1.0),
+            (Column::EffortCmd, Linear, "V", Some(35.15), 35.15),
+            (Column::Velocity, Rotary, "rad/s", None, 1.0),
+        ] {
+            let found = factor(column, axis, unit, scale).unwrap();
+            assert!((found / expected - 1.0).abs() < 1e-12, "{column:?} in {unit}: {found}");
+        }
+    }
+
+    #[test]
+    fn what_cannot_be_is_told() {
+        let error = factor(Column::EffortCmd, AxisKind::Rotary, "A", None).unwrap_err();
+        assert_eq!(error, "`A` needs a scale: how many N m one A makes");
+        let error = factor(Column::Position, AxisKind::Rotary, "mm", None).unwrap_err();
+        assert_eq!(
+            error,
+            "`mm` is not a unit of `position` on a rotary axis; allowed are mrad, rad, deg, rev, counts(number in a revolution)"
+        );
+        assert!(factor(Column::Position, AxisKind::Rotary, "parsec", None).unwrap_err().contains("is not a unit"));
+        assert!(factor(Column::Position, AxisKind::Rotary, "rad", Some(0.0)).unwrap_err().contains("other than 0"));
+        assert!(factor(Column::Mode, AxisKind::Rotary, "rad", None).unwrap_err().contains("neither unit nor scale"));
+    }
+
+    #[test]
+    fn flags_are_taken_apart() {
+        let parsed = |text: &str| text.parse::<MapFlag>().map(|flag| (flag.key, flag.name, flag.unit, flag.scale));
+        let of =
+            |key: &str, name: &str, unit: &str, scale| Ok((key.to_owned(), name.to_owned(), unit.to_owned(), scale));
+        assert_eq!(parsed("position=pos:mm"), of("position", "pos", "mm", None));
+        assert_eq!(parsed("torque=i:A*0.12"), of("torque", "i", "A", Some(0.12)));
+        assert_eq!(parsed("force=u"), of("force", "u", "", None));
+        assert_eq!(
+            parsed("position=/js:enc.a:counts(8192)*-1"),
+            of("position", "/js:enc.a", "counts(8192)", Some(-1.0))
+        );
+        assert!(parsed("positon=pos").unwrap_err().contains("is `position` meant?"));
+        assert!(parsed("position").unwrap_err().starts_with("must be KEY=NAME"));
+        assert!(parsed("torque=i:A*x").unwrap_err().starts_with("scale `x` is not a number"));
+    }
+}

@@ -1,0 +1,99 @@
+//! Logs of other machines: separators, decimal commas, packed files, and columns that a machine file names.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use std::fs;
+use std::io::Write as _;
+use std::path::Path;
+
+use recording::{AxisKind, Error, Machine, Recording};
+
+const PLANT: &str = "schema = 1\nname = \"m\"\n[axis]\nkind = \"rotary\"\nsample_period_s = 1e-3\nresolution = 0.0\n\
+                     [plant]\ninertia = 1.0\n";
+const COLUMNS: &str = "[columns]\ntime = { name = \"ts\", unit = \"us\" }\n\
+                       position = { name = \"enc\", unit = \"counts(3600)\" }\n\
+                       torque = { name = \"i\", unit = \"A\", scale = -0.5 }\n";
+
+fn machine(columns: &str) -> Result<Machine, Error> {
+    Machine::from_bytes(Path::new("m.toml"), format!("{PLANT}{columns}").as_bytes())
+}
+
+fn read(name: &str, bytes: &[u8], machine: &Machine) -> Result<Recording, String> {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join(name);
+    fs::write(&file, bytes).unwrap();
+    Recording::of(&file, machine)
+        .map_err(|error| error.to_string().replace(&format!("{}/", folder.path().display()), ""))
+}
+
+fn close(found: &[f64], expected: &[f64]) {
+    assert_eq!(found.len(), expected.len());
+    assert!(found.iter().zip(expected).all(|(one, other)| (one - other).abs() < 1e-12), "{found:?}, not {expected:?}");
+}
+
+#[test]
+fn a_machine_file_names_columns_units_and_scales() {
+    let machine = machine(COLUMNS).unwrap();
+    let log = "note;ts;enc;i\nfoo;1000000;10;1,5\nbar;1001000;20;-2\n";
+    let recording = read("a.csv", log.as_bytes(), &machine).unwrap();
+    assert_eq!(recording.axis, AxisKind::Rotary);
+    close(&recording.t_s, &[0.0, 1e-3]);
+    close(&recording.position, &[10f64.to_radians() / 10.0, 20f64.to_radians() / 10.0]);
+    close(&recording.effort_cmd, &[-0.75, 1.0]);
+    assert!(recording.extra.is_empty(), "columns that are not named are not read");
+    // Tabs, quotes, a decimal point, Windows' line ends.
+    let tabs = "\"ts\"\tenc\ti\r\n1000000\t10\t1.5\r\n1001000\t20\t-2\r\n";
+    assert_eq!(read("a.csv", tabs.as_bytes(), &machine).unwrap(), recording);
+    let mut packed = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::default());
+    packed.write_all(log.as_bytes()).unwrap();
+    let packed = packed.finish().unwrap();
+    let unpacked = read("a.csv.gz", &packed, &machine).unwrap();
+    assert_eq!(unpacked.effort_cmd, recording.effort_cmd);
+    let error = read("a.csv.gz", &packed[..packed.len() - 9], &machine).unwrap_err();
+    assert!(error.starts_with("a.csv.gz: cannot open: the gzip file is damaged or cut short"), "{error}");
+    // What this tool writes has its own columns.
+    let own = read("b.csv", b"t_s,position_rad,torque_cmd_nm\n0,1,2\n", &machine).unwrap();
+    assert_eq!((own.position, own.effort_cmd), (vec![1.0], vec![2.0]));
+}
+
+#[test]
+fn what_is_wrong_with_a_log_is_named() {
+    let machine = machine(COLUMNS).unwrap();
+    let error = read("a.csv", b"ts;encoder;i\n0;0;0\n", &machine).unwrap_err();
+    assert_eq!(
+        error,
+        "a.csv:1: enc: column is missing, which [columns] of the machine file names as `position`; the file has `ts`, `encoder`, `i`"
+    );
+    let error = read("a.csv", b"ts;enc;i\n0;0;1.000,5\n", &machine).unwrap_err();
+    assert_eq!(error, "a.csv:2: i: `1.000,5` is not a number");
+    let error = read("a.bin", b"PK\x03\x04\0\0\0", &machine).unwrap_err();
+    assert!(error.starts_with("a.bin: is not of a known format; can be read: CSV"), "{error}");
+    let error = read("a.mat", b"MATLAB 7.3 MAT-file, Platform", &machine).unwrap_err();
+    assert!(error.contains("writetable(table(t, position, torque), 'log.csv')"), "{error}");
+}
+
+#[test]
+fn what_is_wrong_with_columns_is_named() {
+    for (columns, message) in [
+        ("[columns]\ntime = { name = \"t\" }\n", "columns.position: is missing; [columns] must have"),
+        (
+            "[columns]\ntime = { name = \"t\" }\nposition = { name = \"q\", unit = \"mm\" }\n",
+            "`mm` is not a unit of `position` on a rotary axis; allowed are",
+        ),
+        (
+            "[columns]\ntime = { name = \"t\" }\nposition = { name = \"q\" }\ntorque = { name = \"i\", unit = \"A\" }\n",
+            "`A` needs a scale: how many N m one A makes",
+        ),
+        ("[columns]\ntme = { name = \"t\" }\n", "columns.tme: unknown key; the nearest key is `time`"),
+        ("[columns]\ntime = \"t\"\n", "columns.time: `t` is not allowed; must be a section"),
+    ] {
+        let error = machine(columns).unwrap_err().to_string();
+        assert!(error.contains(message), "{error}");
+    }
+}
+
+#[test]
+fn a_machine_with_columns_reads_back() {
+    let machine = machine(COLUMNS).unwrap();
+    let text = machine.to_toml().unwrap();
+    assert_eq!(Machine::from_bytes(Path::new("m.toml"), text.as_bytes()).unwrap(), machine, "{text}");
+}
