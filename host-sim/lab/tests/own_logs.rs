@@ -7,7 +7,8 @@ use std::path::Path;
 
 use assert_cmd::Command;
 use lab::read::Machine;
-use plant::{Command as Effort, Gravity, Model, Plant, State};
+use plant::effects::Gravity;
+use plant::{Command as Effort, Model, Plant, State};
 
 /// Runs `servo-lab` in a folder; what it prints.
 fn lab(folder: &Path, words: &[&str]) -> String {

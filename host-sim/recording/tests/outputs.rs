@@ -11,7 +11,9 @@ use recording::output::{Files, mark};
 fn check(folder: &Path, inputs: &[&str], outputs: &[&str], force: bool) -> Result<(), String> {
     let mut files = Files::new(force);
     files.reads_all(&inputs.iter().map(|name| folder.join(name)).collect::<Vec<PathBuf>>());
-    outputs.iter().for_each(|name| drop(files.writes(&folder.join(name))));
+    for name in outputs {
+        files.writes(&folder.join(name));
+    }
     files.check().map(drop).map_err(|error| {
         assert_eq!(error.exit_code(), 2);
         error.to_string().replace(&format!("{}/", folder.display()), "")
