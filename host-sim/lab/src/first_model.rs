@@ -159,16 +159,7 @@ fn fit(windows: &[Window], others: &[usize]) -> Option<Fit> {
     let mut weights = DVector::repeat(windows.len(), 1.0);
     let mut solved = None;
     for _ in 0..ROUNDS {
-        let roots = weights.map(f64::sqrt);
-        let mut scaled = matrix.clone();
-        scaled.column_iter_mut().zip(&sizes).for_each(|(mut column, size)| {
-            column.component_mul_assign(&roots);
-            column /= *size;
-        });
-        let normal = scaled.transpose() * &scaled;
-        let inverse = normal.try_inverse()?;
-        let factors = &inverse * scaled.transpose() * effort.component_mul(&roots);
-        let factors = DVector::from_iterator(unknowns, factors.iter().zip(&sizes).map(|(factor, size)| factor / size));
+        let (factors, inverse) = weighted(&matrix, &sizes, &effort, &weights)?;
         let residuals = &effort - &matrix * &factors;
         weights = huber(&residuals);
         solved = Some((factors, inverse, residuals));
@@ -186,6 +177,26 @@ fn fit(windows: &[Window], others: &[usize]) -> Option<Fit> {
     let values: Vec<Value> = values.collect();
     let explained = if spread > 0.0 { (1.0 - left / spread).max(0.0) } else { 0.0 };
     values.iter().all(|value| value.value.is_finite()).then_some(Fit { values, left: left / total, explained })
+}
+
+/// The factors of the columns by weighted least squares, and the inverse of the normal matrix of the columns brought to one
+/// size.
+fn weighted(
+    matrix: &DMatrix<f64>,
+    sizes: &[f64],
+    effort: &DVector<f64>,
+    weights: &DVector<f64>,
+) -> Option<(DVector<f64>, DMatrix<f64>)> {
+    let roots = weights.map(f64::sqrt);
+    let mut scaled = matrix.clone();
+    scaled.column_iter_mut().zip(sizes).for_each(|(mut column, size)| {
+        column.component_mul_assign(&roots);
+        column /= *size;
+    });
+    let inverse = (scaled.transpose() * &scaled).try_inverse()?;
+    let factors = &inverse * scaled.transpose() * effort.component_mul(&roots);
+    let factors = DVector::from_iterator(sizes.len(), factors.iter().zip(sizes).map(|(factor, size)| factor / size));
+    Some((factors, inverse))
 }
 
 /// Weights of a robust fit from its residuals.

@@ -98,7 +98,7 @@ fn bad_input_of_every_command_is_one_line_and_writes_nothing() {
         ("simulate --disturbance 0.1,-1,8 --out out.csv", "duration_s"),
         ("replay missing.csv", "missing.csv: cannot open"),
         ("replay bad.csv", "bad.csv:3: position_rad"),
-        ("replay text.txt", "text.txt: is not a recording by its name"),
+        ("replay text.txt", "text.txt:1: t_s, position_rad, torque_cmd_nm: required columns are missing"),
         ("replay no_reference.csv", "no_reference.csv: replay needs the column reference_rad"),
         ("replay --machine machine.toml run.csv", "machine.toml: controller: no [controller] section"),
         ("replay --machine bad.toml run.csv", "bad.toml:8: plant.inertia"),

@@ -70,7 +70,7 @@ fn a_table_that_is_no_recording_is_refused_by_its_columns() {
     let error = Recording::read(&data.join("odrive_cogging/map_a_4.csv"), None).unwrap_err();
     assert!(
         error.to_string().ends_with(
-            "map_a_4.csv:1: t_s: required column is missing; the file has `position_rad`, `holding_torque_nm`"
+            "map_a_4.csv:1: t_s, torque_cmd_nm: required columns are missing; the file has `position_rad`, `holding_torque_nm`"
         ),
         "{error}"
     );

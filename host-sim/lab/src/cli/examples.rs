@@ -30,15 +30,11 @@ Example:
 pub(super) const DIAGNOSE: &str = "\
 Example:
   servo-lab diagnose --machine machine.toml --html answer.html run1.csv --holdout run2.csv
-  servo-lab diagnose --machine machine.toml --json - --fail-on explained run1.csv
-
-What the exit codes mean: servo-lab --help";
+  servo-lab diagnose --machine machine.toml --json - --fail-on ambiguous,unknown run1.csv";
 pub(super) const LINK: &str = "\
 Example:
   servo-lab link --port /dev/ttyUSB0 enable
-  servo-lab link --port /dev/ttyUSB0 run chirp --amplitude-deg 5 --to-hz 8 --duration-s 20
-
-What the exit codes mean: servo-lab --help";
+  servo-lab link --port /dev/ttyUSB0 run chirp --amplitude-deg 5 --to-hz 8 --duration-s 20";
 pub(super) const PROVE: &str = "\
 Example:
   servo-lab prove --quick --out out/prove";

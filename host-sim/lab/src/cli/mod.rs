@@ -70,10 +70,10 @@ enum Command {
     #[command(after_help = examples::RECORD)]
     Record(record::Args),
     /// Command a drive over its serial link: state, parameters, reference, experiments, recordings.
-    #[command(after_help = examples::LINK)]
+    #[command(after_help = format!("{}\n\n{EXIT_CODES}", examples::LINK))]
     Link(link::Args),
     /// Find what the model leaves out of the recordings, with its parameters, or say that they cannot tell.
-    #[command(after_help = examples::DIAGNOSE)]
+    #[command(after_help = format!("{}\n\n{EXIT_CODES}", examples::DIAGNOSE))]
     Diagnose(diagnose::Args),
     /// Diagnose machines with concealed effects, blind, and count what was found.
     #[command(after_help = examples::PROVE)]

@@ -22,18 +22,22 @@ pub struct Args {
 /// # Errors
 /// Files that cannot be read, or hold nothing to replay.
 pub fn run(args: &Args) -> Result<(), Error> {
-    let (axis, config) = match &args.machine {
+    let (machine, config) = match &args.machine {
         None => (None, er_servo::Config::default()),
         Some(file) => {
             let machine = Machine::read(file)?;
             let missing =
                 || Error::input(file, None, "controller", "no [controller] section: which law ran is unknown");
-            (Some(machine.axis.kind), machine.controller.ok_or_else(missing)?)
+            let config = machine.controller.ok_or_else(missing)?;
+            (Some(machine), config)
         }
     };
     let mut text = String::new();
     for file in &args.recordings {
-        let recording = Recording::read(file, axis)?;
+        let recording = match &machine {
+            Some(machine) => Recording::of(file, machine)?,
+            None => Recording::read(file, None)?,
+        };
         let result = replay(&recording, &config)?;
         text.extend(recording.notes().iter().map(|note| format!("note: {note}\n")));
         text += &format!("{}: {result}\n", file.display());

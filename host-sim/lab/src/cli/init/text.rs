@@ -150,33 +150,33 @@ pub(super) fn summary(findings: &Findings<'_>, file: &Path) -> String {
     };
     lines("", axis(findings).into());
     lines("first model, by robust least squares\n", plant(findings));
-    if let Some(model) = &findings.model {
-        if let Some((amplitude, phase_rad)) = model.gravity {
-            let value =
-                format!("{} {}, phase {} rad", digits(amplitude.value), interval(amplitude, "N m"), digits(phase_rad));
-            let _ = writeln!(text, "        {:16} {value}", "gravity");
-        }
-        let percent = 100.0 * model.explained;
-        let note = if model.explained < EXPLAINED_ENOUGH {
-            ": too little to trust it; is the torque column the right one, is its unit, does the axis accelerate?"
-        } else {
-            ""
-        };
-        let _ = writeln!(
-            text,
-            "        it explains {percent:.0} % of the variance of the {}{note}",
-            Units::of(kind).effort_name
-        );
-        if model.reversed {
-            text += "UNSURE  the effort pushes against the acceleration: turn its sign with *-1 in --map\n";
-        }
-    } else {
-        text += "UNSURE  nothing moves enough for a first model\n";
-    }
+    text += &how_good(findings.model.as_ref(), kind);
     for recording in &findings.recordings {
         text.extend(recording.notes().iter().map(|note| format!("note: {note}\n")));
     }
     let log = findings.logs.first().map(|log| log.display().to_string()).unwrap_or_default();
     let file = file.display();
     text + &format!("wrote {file}\nnext: look at it, then servo-lab diagnose --machine {file} {log}\n")
+}
+
+/// Gravity, and how much of the effort the model explains.
+fn how_good(model: Option<&FirstModel>, kind: AxisKind) -> String {
+    let Some(model) = model else { return "UNSURE  nothing moves enough for a first model\n".to_owned() };
+    let mut text = String::new();
+    if let Some((amplitude, phase_rad)) = model.gravity {
+        let value =
+            format!("{} {}, phase {} rad", digits(amplitude.value), interval(amplitude, "N m"), digits(phase_rad));
+        let _ = writeln!(text, "        {:16} {value}", "gravity");
+    }
+    let (percent, effort) = (100.0 * model.explained, Units::of(kind).effort_name);
+    let note = if model.explained < EXPLAINED_ENOUGH {
+        ": too little to trust it; is the torque column the right one, is its unit, does the axis accelerate?"
+    } else {
+        ""
+    };
+    let _ = writeln!(text, "        it explains {percent:.0} % of the variance of the {effort}{note}");
+    if model.reversed {
+        text += "UNSURE  the effort pushes against the acceleration: turn its sign with *-1 in --map\n";
+    }
+    text
 }
