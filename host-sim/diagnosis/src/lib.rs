@@ -1,4 +1,10 @@
-//! What physics a model leaves out.
+//! What physics a model of a servo leaves out, by one likelihood: a library without files and without a terminal.
+//!
+//! ```text
+//! recorded, problem -> likelihood -> score -> hypothesis, search -> confidence_set -> goodness -> verdict; pipeline knows them all
+//! ```
+//!
+//! A value made by one stage is never changed by a later one. `docs/method.md` has the equations and the sources.
 #![forbid(unsafe_code)]
 
 pub mod confidence_set;

@@ -77,11 +77,4 @@ impl Physics {
     pub fn indistinct(&self, one: &crate::effects::Effect, other: &crate::effects::Effect) -> bool {
         self.model.er.is_none() && one.alike.contains(&other.id)
     }
-
-    /// Whether it has states other than position and speed.
-    pub fn remembers(&self) -> bool {
-        self.model.presliding_stiffness.is_some()
-            || self.model.shaft.as_ref().is_some_and(|shaft| shaft.inertia_ratio > 0.0)
-            || self.model.er.as_ref().is_some_and(|er| er.preyield_stiffness.is_some())
-    }
 }

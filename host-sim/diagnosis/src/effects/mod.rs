@@ -227,8 +227,6 @@ pub struct Effect {
     pub alike: &'static [&'static str],
     /// It is part of the first hypothesis of a machine that can have it: other effects stand in for it where it is missing.
     pub first: bool,
-    /// It is a hypothesis that competes but is not in the vocabulary of answers.
-    pub nuisance: bool,
 }
 
 /// What most entries have; an entry overrides what it has otherwise.
@@ -252,7 +250,6 @@ pub(crate) const PLAIN: Effect = Effect {
     by_chance: |_, _| 0.0,
     alike: &[],
     first: false,
-    nuisance: false,
 };
 
 impl std::fmt::Debug for Effect {

@@ -68,9 +68,4 @@ impl Hypothesis {
         };
         self.free().into_iter().map(of).collect()
     }
-
-    /// Identifiers, in order.
-    pub fn ids(&self) -> Vec<&'static str> {
-        self.entries.iter().map(|entry| entry.effect.id).collect()
-    }
 }

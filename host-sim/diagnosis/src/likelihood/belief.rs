@@ -120,7 +120,7 @@ impl Laws {
         spread
     }
 
-    /// Over 40 lines with what follows it would be: the sum of all torques, each with the place it comes from.
+    // Over 40 lines: the sum of all torques, each with the place it comes from.
     #[inline]
     fn free(&self, x: &[f64], step: &Substep, twist_sd: f64) -> Free {
         let (w, dt_s) = (x[SPEED], step.dt_s);
