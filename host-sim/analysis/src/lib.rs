@@ -2,6 +2,7 @@
 //! [`stability`], the claims of the [`paper`], gains that are tuned ([`tune`]), and the figures of all of them ([`plot`]).
 #![forbid(unsafe_code)]
 
+pub mod beyond;
 pub mod paper;
 pub mod plot;
 pub mod simulate;

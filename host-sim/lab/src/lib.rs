@@ -27,7 +27,7 @@ pub mod residual;
 pub mod screen;
 
 // Stages that are crates of their own, under the names they have here.
-use analysis::{paper, plot, simulate, stability, tune};
+use analysis::{beyond, paper, plot, simulate, stability, tune};
 pub use progress;
 pub use recording::{self as read, Error};
 use recording::{decode, replay};

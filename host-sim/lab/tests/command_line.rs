@@ -90,6 +90,7 @@ fn bad_input_of_every_command_is_one_line_and_writes_nothing() {
         ("simulate steps --dwell-s 0 --out out.csv", "dwell_s"),
         ("simulate --fluid q --dead-time-ms 5 --lag-ms 5 --out out.csv", "not both"),
         ("simulate --fluid none --lag-ms 5 --out out.csv", "--fluid none has no delay"),
+        ("simulate --fluid e --as-printed --out out.csv", "--as-printed is a reading of --fluid q"),
         ("simulate --fluid e --lag-ms=-5 --out out.csv", "--lag-ms: -5 ms is not allowed"),
         ("simulate --fluid e --dead-time-ms nan --out out.csv", "--dead-time-ms: NaN ms is not allowed"),
         ("simulate --drive-delay-ms=-5 --out out.csv", "--drive-delay-ms: -5 ms is not allowed, 0 to 1000 is"),
@@ -116,6 +117,18 @@ fn bad_input_of_every_command_is_one_line_and_writes_nothing() {
     for (line, message) in cases {
         refused(folder.path(), line, message);
     }
+}
+
+#[test]
+fn a_late_viscosity_is_bounded_unless_it_is_read_as_printed() {
+    let folder = tempfile::tempdir().unwrap();
+    let step = "simulate --fluid q --dead-time-ms 50 --true-speed --duration-s 1";
+    // Control.md sections 5 and 7.
+    for (flags, settling) in [(" --plot run.svg", "91.0 ms"), (" --as-printed", "126.5 ms")] {
+        let summary = printed(folder.path(), &format!("{step}{flags}"));
+        assert!(summary.contains(&format!("settling         {settling}")), "{flags}: {summary}");
+    }
+    assert!(fs::read_to_string(folder.path().join("run.svg")).unwrap().contains("fluid, at most"));
 }
 
 #[test]

@@ -38,6 +38,6 @@ pub use actuation::{Segment, Signal};
 pub use command::Command;
 pub use error::Error;
 pub use mechanics::{Mechanics, Motion, State};
-pub use model::{Er, FieldResponse, FluidResponse, Model};
+pub use model::{Er, FieldResponse, FluidResponse, HIGHEST_FIELD_KV_MM, Model};
 pub use plant::Plant;
 pub use timeline::Timeline;

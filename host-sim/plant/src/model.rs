@@ -74,6 +74,9 @@ pub struct Er {
     pub preyield_stiffness: Option<f64>,
 }
 
+/// Highest field the damper is ever given, kV/mm (control specification section 3); it bounds what the fluid can do.
+pub const HIGHEST_FIELD_KV_MM: f64 = 3.5;
+
 /// How the fluid follows the commanded field.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum FluidResponse {
@@ -130,6 +133,12 @@ impl Er {
             drift_per_s: 0.0,
             preyield_stiffness: None,
         }
+    }
+
+    /// Torque of a damper a E^2 + b E at [`HIGHEST_FIELD_KV_MM`], N m (N): more a fluid cannot give, whatever its delay.
+    /// Without that bound a late coefficient of viscosity times a high speed is any torque.
+    pub fn largest_torque(a: f64, b: f64) -> f64 {
+        (a * HIGHEST_FIELD_KV_MM + b) * HIGHEST_FIELD_KV_MM
     }
 
     /// The a and b of the commanded field, with field gain and scale in them.

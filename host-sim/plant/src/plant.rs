@@ -1,7 +1,7 @@
 //! The machine in closed loop.
 
 use crate::actuation::Actuation;
-use crate::{Command, Error, Mechanics, Model, Segment, State};
+use crate::{Command, Er, Error, FluidResponse, Mechanics, Model, Segment, State};
 
 /// Actuation and mechanics together, one command at a time.
 ///
@@ -22,6 +22,7 @@ pub struct Plant {
     mechanics: Mechanics,
     state: State,
     last: Option<Segment>,
+    er: Option<Er>,
 }
 
 impl Plant {
@@ -35,7 +36,7 @@ impl Plant {
             return Err(Error::Time { previous_s: 0.0, t_s: start_s });
         }
         let actuation = Actuation::new(model, &Command::default(), start_s);
-        Ok(Self { actuation, mechanics, state: state.with_motion(), last: None })
+        Ok(Self { actuation, mechanics, state: state.with_motion(), last: None, er: model.er.clone() })
     }
 
     /// Holds `command` from now until `until_s` and moves there.
@@ -77,6 +78,22 @@ impl Plant {
     /// Now, s.
     pub fn now_s(&self) -> f64 {
         self.actuation.now_s()
+    }
+
+    /// Drag of the fluid now, N m (N), not negative; at rest the most it holds against. The torque of a fluid's spring
+    /// below yield is not in it, nor is its drift.
+    pub fn er_torque(&self) -> f64 {
+        let (Some(er), Some(segment)) = (&self.er, &self.last) else { return 0.0 };
+        let (a, b) = er.acting();
+        let dt_s = segment.end_s - segment.start_s;
+        let fluid = segment.fluid.at(dt_s);
+        match er.response {
+            FluidResponse::Field(_) => (a * fluid + b) * fluid,
+            FluidResponse::ViscosityDeadTime { torque_limit, .. }
+            | FluidResponse::ViscosityLag { torque_limit, .. } => {
+                (fluid * self.state.velocity.abs()).min(torque_limit) + segment.brake_torque.at(dt_s)
+            }
+        }
     }
 
     /// What acted on the rotor just before now; none before the first advance.

@@ -9,7 +9,7 @@ pub mod table;
 use claims::Claim;
 use figures::NamedFigure;
 use progress::Progress;
-use recording::Error;
+use recording::{Error, Recording};
 
 /// What is left of the paper.
 #[derive(Debug, Clone, PartialEq)]
@@ -24,13 +24,16 @@ pub struct Reproduction {
     pub held: usize,
 }
 
-/// Reproduces the paper; some thousands of runs on all cores.
+/// Reproduces the paper; some thousands of runs on all cores. A recording in `measured` is drawn into the figures that the
+/// paper has a measured curve in.
 ///
 /// # Errors
 /// A value the law, the plant or the stability analysis does not take; none is known for the paper's.
-pub fn reproduce() -> Result<Reproduction, Error> {
+pub fn reproduce(measured: Option<&Recording>) -> Result<Reproduction, Error> {
     let progress = Progress::new("the paper", scan::size() as u64 + claims::GROUPS);
     let scan = scan::scan(&progress)?;
-    let claims = claims::test_all(&scan, &progress)?;
-    Ok(Reproduction { claims, figures: figures::all()?, runs: scan.runs, held: scan.held })
+    let joint = claims::joint_search(&scan)?;
+    let claims = claims::test_all(&scan, joint.as_ref(), &progress)?;
+    let figures = figures::all(joint.as_ref(), measured)?;
+    Ok(Reproduction { claims, figures, runs: scan.runs, held: scan.held })
 }

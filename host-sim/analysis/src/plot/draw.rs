@@ -10,6 +10,7 @@ use plotters::element::{Circle, PathElement, Text};
 use plotters::prelude::{Color, DrawingArea, IntoDrawingArea, IntoFont, RGBColor, SVGBackend, ShapeStyle, WHITE};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
+use super::dashes::broken;
 use super::decimate;
 use super::figure::{Figure, Mark, Panel, Series, is_shown};
 use super::ticks::{range, tick_label};
@@ -31,13 +32,15 @@ const MOST_CURVE_POINTS: usize = 18_000;
 const MOST_DOTS: usize = 2_000;
 
 /// Distinguishable with any colour vision, and in grey (Okabe and Ito, Color Universal Design, 2008).
-const COLOURS: [RGBColor; 6] = [
+const COLOURS: [RGBColor; 8] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
     RGBColor(0, 158, 115),
     RGBColor(204, 121, 167),
     RGBColor(70, 70, 70),
     RGBColor(230, 159, 0),
+    RGBColor(86, 180, 233),
+    RGBColor(0, 0, 0),
 ];
 const FRAME: RGBColor = RGBColor(60, 60, 60);
 const GRID: RGBColor = RGBColor(222, 222, 222);
@@ -158,7 +161,10 @@ fn draw_series(
         if series.mark == Mark::Step {
             pieces = pieces.iter().map(|piece| held(piece)).collect();
         }
-        chart.draw_series(pieces.into_iter().map(|piece| PathElement::new(piece, stroke(colour))))?;
+        let (width, height) = chart.plotting_area().dim_in_pixel();
+        let scale = (f64::from(width) / (x.end - x.start), f64::from(height) / (y.end - y.start));
+        let pieces = pieces.iter().flat_map(|piece| broken(piece, series.stroke, scale));
+        chart.draw_series(pieces.map(|piece| PathElement::new(piece, stroke(colour))))?;
     }
     Ok(())
 }
@@ -166,7 +172,7 @@ fn draw_series(
 /// Names the series from left to right, each after a sample of its line or dot.
 fn draw_legend(area: &Area<'_>, panel: &Panel) -> Result<(), Box<dyn std::error::Error>> {
     let unit = UNITS_PER_PIXEL as i32;
-    let (sample, space, middle) = (22 * unit, 6 * unit, LEGEND_HEIGHT as i32 / 2);
+    let (sample, space, middle) = (28 * unit, 6 * unit, LEGEND_HEIGHT as i32 / 2);
     let mut left = (MARGIN + Y_AXIS_WIDTH) as i32 + space;
     let font = ("sans-serif", TEXT_SIZE).into_font().color(&FRAME).pos(Pos::new(HPos::Left, VPos::Center));
     for (series, colour) in panel.series.iter().zip(COLOURS.into_iter().cycle()) {
@@ -176,7 +182,11 @@ fn draw_legend(area: &Area<'_>, panel: &Panel) -> Result<(), Box<dyn std::error:
         if series.mark == Mark::Points {
             area.draw(&Circle::new((left + sample / 2, middle), DOT_RADIUS, dot(colour)))?;
         } else {
-            area.draw(&PathElement::new(vec![(left, middle), (left + sample, middle)], stroke(colour)))?;
+            let (from, to) = (f64::from(left), f64::from(left + sample));
+            for piece in broken(&[(from, 0.0), (to, 0.0)], series.stroke, (1.0, 1.0)) {
+                let piece: Vec<_> = piece.iter().map(|(along, _)| (*along as i32, middle)).collect();
+                area.draw(&PathElement::new(piece, stroke(colour)))?;
+            }
         }
         area.draw(&Text::new(series.name.as_str(), (left + sample + space, middle), font.clone()))?;
         // The width of text is the viewer's affair; sans-serif letters are rarely wider than this on average.

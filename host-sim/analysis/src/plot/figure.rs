@@ -14,6 +14,20 @@ pub enum Mark {
     Points,
 }
 
+/// How the line of a curve is drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Stroke {
+    /// Unbroken.
+    #[default]
+    Solid,
+    /// Long dashes.
+    Dashed,
+    /// Dots.
+    Dotted,
+    /// Dashes and dots in turn.
+    DashDot,
+}
+
 /// One curve or cloud.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Series {
@@ -21,6 +35,8 @@ pub struct Series {
     pub name: String,
     /// How it is drawn.
     pub mark: Mark,
+    /// How its line is drawn; a cloud has none.
+    pub stroke: Stroke,
     /// (x, y) in the units of the panel's axes; a point that is not finite breaks the curve.
     pub points: Vec<(f64, f64)>,
 }
@@ -28,7 +44,13 @@ pub struct Series {
 impl Series {
     /// A series of `points`, (x, y).
     pub fn new(name: &str, mark: Mark, points: impl IntoIterator<Item = (f64, f64)>) -> Self {
-        Self { name: name.to_owned(), mark, points: points.into_iter().collect() }
+        Self { name: name.to_owned(), mark, stroke: Stroke::Solid, points: points.into_iter().collect() }
+    }
+
+    /// The same in another stroke.
+    #[must_use]
+    pub fn with(self, stroke: Stroke) -> Self {
+        Self { stroke, ..self }
     }
 
     /// A cross at a single point, larger than a dot; its half width and height are in the units of the axes.

@@ -15,12 +15,13 @@
 //! assert!(figure.to_svg().is_ok_and(|svg| svg.starts_with("<svg")));
 //! ```
 
+mod dashes;
 mod decimate;
 mod draw;
 mod figure;
 mod ticks;
 
-pub use figure::{Figure, Mark, Panel, Series};
+pub use figure::{Figure, Mark, Panel, Series, Stroke};
 
 use std::path::Path;
 

@@ -81,6 +81,9 @@ pub struct Row {
     pub truth: plant::State,
     /// What the law decided.
     pub outputs: Outputs,
+    /// Drag of the fluid that acts when the position is sampled, N m, not negative: late where the fluid is late. At rest
+    /// it is the most that the fluid holds against.
+    pub er_torque_nm: f64,
 }
 
 /// The control period in double precision, s: the decimal number that the configuration rounds to single precision.
@@ -126,11 +129,29 @@ impl ClosedLoop {
         })
     }
 
+    /// Moves the mechanics to `state`, as for a motor that is driven; the law sees it from the next tick on.
+    pub fn start_from(&mut self, state: plant::State) {
+        self.plant.set_state(state);
+    }
+
     /// One control period: sample, one step of the law, the plant to the next sample.
     ///
     /// # Errors
     /// A simulated quantity that left the finite numbers.
     pub fn tick(&mut self, reference: Counts) -> Result<Row, Error> {
+        self.tick_beside(reference, |_, _| {})
+    }
+
+    /// As [`Self::tick`], with something beside the flashed law that may replace the torque and the field it commands;
+    /// position, speed, mode and faults stay the law's.
+    ///
+    /// # Errors
+    /// As [`Self::tick`].
+    pub fn tick_beside(
+        &mut self,
+        reference: Counts,
+        mut beside: impl FnMut(Counts, &mut Outputs),
+    ) -> Result<Row, Error> {
         let t_s = f64::from(self.tick) / self.ticks_per_s;
         let truth = *self.plant.state();
         // What the law sees is what is recorded: late where the sensor is.
@@ -147,7 +168,9 @@ impl ClosedLoop {
             field_monitor: MonitorCode::from_kv_mm(self.field_kv_mm),
             ..Inputs::default()
         };
-        let outputs = step(&self.params, &mut self.state, &inputs);
+        let mut outputs = step(&self.params, &mut self.state, &inputs);
+        beside(reference, &mut outputs);
+        let er_torque_nm = self.plant.er_torque();
         let command = Command {
             torque: f64::from(outputs.torque_nm),
             field_kv_mm: f64::from(outputs.field_kv_mm),
@@ -161,7 +184,7 @@ impl ClosedLoop {
         self.plant
             .advance(&command, f64::from(self.tick) / self.ticks_per_s)
             .map_err(|error| Error::Usage(format!("the simulation stopped at {t_s} s: {error}")))?;
-        Ok(Row { t_s, reference, truth, outputs })
+        Ok(Row { t_s, reference, truth, outputs, er_torque_nm })
     }
 }
 
@@ -179,13 +202,25 @@ fn viscosity_nm_s_rad(outputs: &Outputs) -> Option<f64> {
 /// # Errors
 /// See [`ClosedLoop`].
 pub fn run(setup: &Setup, reference: impl IntoIterator<Item = Counts>) -> Result<Vec<Row>, Error> {
+    run_beside(setup, reference, |_, _| {})
+}
+
+/// As [`run`], with something beside the flashed law ([`ClosedLoop::tick_beside`]).
+///
+/// # Errors
+/// See [`ClosedLoop`].
+pub fn run_beside(
+    setup: &Setup,
+    reference: impl IntoIterator<Item = Counts>,
+    mut beside: impl FnMut(Counts, &mut Outputs),
+) -> Result<Vec<Row>, Error> {
     let mut closed_loop = ClosedLoop::new(setup)?;
     let reference: Vec<Counts> = reference.into_iter().collect();
     let progress = Progress::new("simulating, ticks", reference.len() as u64);
     let mut rows = Vec::with_capacity(reference.len());
     for chunk in reference.chunks(PROGRESS_TICKS) {
         for counts in chunk {
-            rows.push(closed_loop.tick(*counts)?);
+            rows.push(closed_loop.tick_beside(*counts, &mut beside)?);
         }
         progress.advance(chunk.len() as u64);
     }

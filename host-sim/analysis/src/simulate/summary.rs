@@ -160,6 +160,7 @@ mod tests {
             reference: Counts::from_rad(reference),
             truth: plant::State::new(position, velocity),
             outputs,
+            er_torque_nm: 0.0,
         };
         (0..).zip(values).map(row).collect()
     }

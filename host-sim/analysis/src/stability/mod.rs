@@ -19,6 +19,7 @@ pub mod case;
 mod chebyshev;
 pub mod curves;
 pub mod describing;
+pub mod figure;
 pub mod limits;
 pub mod region;
 pub mod sampled;

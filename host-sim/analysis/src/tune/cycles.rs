@@ -44,8 +44,12 @@ fn delay(response: FluidResponse, hold_s: f64) -> DamperDelay {
         FluidResponse::Field(field) => {
             DamperDelay::Field { dead_time_s: field.dead_time_s, lag_s: field.rise_s.max(field.fall_s) }
         }
-        FluidResponse::ViscosityDeadTime { dead_time_s, .. } => DamperDelay::Viscosity { dead_time_s, lag_s: 0.0 },
-        FluidResponse::ViscosityLag { lag_s, .. } => DamperDelay::Viscosity { dead_time_s: 0.0, lag_s },
+        FluidResponse::ViscosityDeadTime { dead_time_s, torque_limit } => {
+            DamperDelay::Viscosity { dead_time_s, lag_s: 0.0, bounded: torque_limit.is_finite() }
+        }
+        FluidResponse::ViscosityLag { lag_s, torque_limit } => {
+            DamperDelay::Viscosity { dead_time_s: 0.0, lag_s, bounded: torque_limit.is_finite() }
+        }
     }
     .later_by(hold_s)
 }

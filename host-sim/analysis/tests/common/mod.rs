@@ -27,12 +27,12 @@ pub fn field(dead_time_s: f64, lag_s: f64) -> FluidResponse {
     FluidResponse::Field(FieldResponse::new(dead_time_s, lag_s))
 }
 
-/// A fluid whose viscosity waits, s.
+/// A fluid whose viscosity waits, s; without a bound, as printed: section 7's rows of Q belong to that reading.
 pub fn q_dead(dead_time_s: f64) -> FluidResponse {
     FluidResponse::ViscosityDeadTime { dead_time_s, torque_limit: f64::INFINITY }
 }
 
-/// A fluid whose viscosity lags, s.
+/// A fluid whose viscosity lags, s; without a bound.
 pub fn q_lag(lag_s: f64) -> FluidResponse {
     FluidResponse::ViscosityLag { lag_s, torque_limit: f64::INFINITY }
 }

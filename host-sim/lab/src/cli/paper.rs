@@ -1,10 +1,12 @@
-//! `servo-lab paper`: the paper's figures, and what became of its claims.
+//! `servo-lab paper`: the paper's figures, what became of its claims, and the control beyond it.
 
 use std::path::PathBuf;
 
 use super::Overwrite;
-use crate::output::{Output, formats};
+use crate::beyond::compare;
+use crate::output::{Files, Output, formats};
 use crate::paper::{figures, reproduce, table};
+use crate::read::{AxisKind, Recording};
 use crate::{Error, output};
 
 /// Flags of `paper`.
@@ -15,19 +17,31 @@ pub struct Args {
     out: PathBuf,
     #[command(flatten)]
     overwrite: Overwrite,
+    /// Recording of a step of 30 degrees from 0, drawn dashed into Figs. 12 to 18.
+    #[arg(long, value_name = "FILE", conflicts_with = "beyond")]
+    measured: Option<PathBuf>,
+    /// In place of the paper's figures and claims: the control it asks for, beside its own law, in one table and one figure.
+    #[arg(long)]
+    beyond: bool,
 }
 
 /// Reproduces the paper, writes figures and table, prints the table.
 ///
 /// # Errors
-/// Outputs that cannot be written.
+/// A recording that cannot be read, outputs that cannot be written.
 pub fn run(args: &Args) -> Result<(), Error> {
     let mut files = args.overwrite.files();
+    if args.beyond {
+        return beyond(args, files);
+    }
+    files.reads_all(&args.measured);
     let picture = |name: &'static str| (name, files.writes(&args.out.join(name)));
     let pictures: Vec<(&str, Output)> = figures::FILES.into_iter().map(picture).collect();
     let claims = files.writes(&args.out.join("claims.md"));
     let mut outputs = files.check()?;
-    let paper = reproduce()?;
+    let read = |file: &PathBuf| Recording::read(file, Some(AxisKind::Rotary));
+    let measured = args.measured.as_ref().map(read).transpose()?;
+    let paper = reproduce(measured.as_ref())?;
     for (name, picture) in pictures {
         let named = paper.figures.iter().find(|named| named.file == name);
         named.map_or(Ok(()), |named| output::figure(&mut outputs, picture, &named.figure))?;
@@ -41,4 +55,16 @@ pub fn run(args: &Args) -> Result<(), Error> {
         args.out.display(),
         figures::LEFT_OUT
     ))
+}
+
+fn beyond(args: &Args, mut files: Files) -> Result<(), Error> {
+    let (table, figure) = (files.writes(&args.out.join("beyond.md")), files.writes(&args.out.join("beyond.svg")));
+    let mut outputs = files.check()?;
+    let comparison = compare()?;
+    output::figure(&mut outputs, figure, &comparison.figure()?)?;
+    let text = comparison.markdown();
+    output::text(&mut outputs, table, &formats::markdown(&text))?;
+    outputs.finish()?;
+    let (table, figure) = (outputs.file(table).display(), outputs.file(figure).display());
+    output::print(&format!("{text}\nwrote {table} and {figure}\n"))
 }

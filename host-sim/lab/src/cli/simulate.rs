@@ -6,7 +6,7 @@ use er_servo::experiment::{Experiment, Shape};
 
 use super::Overwrite;
 use super::machine::MachineArgs;
-use crate::simulate::{Disturbance, Reference, Scenario, Setup, Summary, period_s, record, run as run_loop};
+use crate::simulate::{Disturbance, Reference, Scenario, Setup, Summary, figure, period_s, record, run as run_loop};
 use crate::{Error, output};
 
 /// The built-in scenarios.
@@ -67,6 +67,15 @@ pub struct Args {
     /// Of the noises and of steps; the same seed gives the same recording.
     #[arg(long, default_value_t = 1)]
     seed: u32,
+    /// The law takes the true speed, and its brake has no dead-band, as the paper's equations assume.
+    #[arg(long)]
+    true_speed: bool,
+    /// The brake also holds at rest.
+    #[arg(long)]
+    hold: bool,
+    /// Draw position, error, speed, torque and field.
+    #[arg(long, value_name = "FILE.svg")]
+    plot: Option<PathBuf>,
     /// Recording to write, .csv or .parquet; without one, only the summary is printed.
     #[arg(long, short, value_name = "FILE", value_parser = recording_name)]
     out: Option<PathBuf>,
@@ -102,8 +111,10 @@ pub fn run(args: &Args) -> Result<(), Error> {
     let mut files = args.overwrite.files();
     files.reads_all(args.machine.machine.iter().chain(&args.reference));
     let out = args.out.as_ref().map(|file| files.writes(file));
+    let plot = args.plot.as_ref().map(|file| files.writes(file));
     let mut outputs = files.check()?;
     let (model, config) = args.machine.build()?;
+    let config = args.law(config);
     let scenario = args.scenario()?;
     let setup = Setup {
         model,
@@ -119,14 +130,32 @@ pub fn run(args: &Args) -> Result<(), Error> {
         let file = outputs.file(out).to_path_buf();
         let name = file.file_name().unwrap_or_default().to_string_lossy();
         outputs.recording(out, &record(&name, &rows))?;
-        outputs.finish()?;
-        output::print(&format!("wrote {}: {} rows, seed {}\n", file.display(), rows.len(), args.seed))?;
+    }
+    if let Some(plot) = plot {
+        output::figure(&mut outputs, plot, &figure(&rows))?;
+    }
+    outputs.finish()?;
+    if let Some(out) = out {
+        let file = outputs.file(out).display();
+        output::print(&format!("wrote {file}: {} rows, seed {}\n", rows.len(), args.seed))?;
+    }
+    if let Some(plot) = plot {
+        output::print(&format!("wrote {}\n", outputs.file(plot).display()))?;
     }
     output::print(&Summary::of(&rows, period_s).to_string())?;
     Ok(())
 }
 
 impl Args {
+    /// The law of the machine with what the flags change.
+    fn law(&self, config: er_servo::Config) -> er_servo::Config {
+        let config = er_servo::Config { hold: config.hold || self.hold, ..config };
+        if !self.true_speed {
+            return config;
+        }
+        er_servo::Config { speed_from_converter: true, brake_deadband_rad_s: 0.0, ..config }
+    }
+
     fn scenario(&self) -> Result<Scenario, Error> {
         let reference = match &self.reference {
             Some(file) => Reference::read(file)?,

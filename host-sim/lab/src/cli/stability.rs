@@ -1,9 +1,7 @@
 //! `servo-lab stability`: is the servo stable, by four methods, and how far is it from the edge.
 
-mod figure;
 mod text;
 
-use std::fmt::Display;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
@@ -11,8 +9,9 @@ use er_servo::Config;
 
 use super::Overwrite;
 use crate::output::{Provenance, formats};
-use crate::read::Machine;
+use crate::read::{Machine, PlantNominal as Nominal};
 use crate::stability::analysis::{Setting, analyse};
+use crate::stability::figure::stable_regions;
 use crate::stability::region::Window;
 use crate::stability::{Fluid, Gains, Loop, LoopError, NormalisedGains, Plant};
 use crate::{Error, output};
@@ -43,12 +42,12 @@ pub struct StabilityArgs {
     /// Viscosity Q1 behind the fluid's delay, N m s/rad
     #[arg(long, default_value_t = 10.0)]
     q1: f64,
-    /// Delay model of the fluid
-    #[arg(long, value_enum, default_value = "dead-time")]
-    model: Model,
-    /// Dead time L_Q or time constant T_Q of the fluid, ms
-    #[arg(long, value_name = "MS", default_value_t = 5.0)]
-    field_delay_ms: f64,
+    /// Delay model of the fluid [default: dead-time, or the machine's: the longer of its dead time and lag decides]
+    #[arg(long, value_enum)]
+    model: Option<Model>,
+    /// Dead time L_Q or time constant T_Q of the fluid, ms [default: 5, or the machine's dead time and lag together]
+    #[arg(long, value_name = "MS")]
+    field_delay_ms: Option<f64>,
     /// Normalised gain K_p* = K_P L^2 / J [default: 0.08, or the machine's controller]
     #[arg(long, allow_hyphen_values = true)]
     kp: Option<f64>,
@@ -58,7 +57,7 @@ pub struct StabilityArgs {
     /// Inertia, kg m2 [default: 0.075, or the machine's]
     #[arg(long, value_name = "KG_M2")]
     inertia: Option<f64>,
-    /// Take inertia, delay, friction and gains from this machine file; flags given go before it
+    /// Take inertia, delay, friction, fluid and gains from this machine file; flags given go before it
     #[arg(long, value_name = "FILE")]
     machine: Option<PathBuf>,
     /// Write the whole answer as JSON; - for standard output
@@ -85,8 +84,9 @@ pub fn run(args: &StabilityArgs) -> Result<(), Error> {
     let (closed, setting) = case(args)?;
     let (analysis, regions) = analyse(&closed, &setting).map_err(usage)?;
     if let Some(plot) = plot {
-        let figure = figure::draw(&analysis, &regions).map_err(|reason| cannot_write(outputs.file(plot), reason))?;
-        output::text(&mut outputs, plot, &formats::markup(&figure))?;
+        let fluids = analysis.regions.iter().map(|known| known.fluid);
+        let regions: Vec<_> = fluids.zip(regions).collect();
+        output::figure(&mut outputs, plot, &stable_regions(&analysis.plant, &regions, analysis.normalised_gains))?;
     }
     let document = || formats::json(&analysis, &Provenance::of(&outputs, None)?);
     if to_stdout {
@@ -107,8 +107,9 @@ fn case(args: &StabilityArgs) -> Result<(Loop, Setting), Error> {
     let seconds = |ms: f64| ms * 1e-3;
     let torque_delay_s = args.delay_ms.map_or_else(|| nominal.map_or(DELAY_S, |p| p.torque_delay_s), seconds);
     let inertia_kg_m2 = args.inertia.unwrap_or_else(|| nominal.map_or(INERTIA_KG_M2, |p| p.inertia));
-    let field_delay_s = seconds(args.field_delay_ms);
-    let fluid = match args.model {
+    let (model, fluid_s) = nominal.map_or((Model::DeadTime, FLUID_DELAY_S), fluid_of);
+    let field_delay_s = args.field_delay_ms.map_or(fluid_s, seconds);
+    let fluid = match args.model.unwrap_or(model) {
         Model::None => Fluid::None,
         Model::DeadTime => Fluid::DeadTime { l_q_s: field_delay_s },
         Model::Lag => Fluid::Lag { t_q_s: field_delay_s },
@@ -118,6 +119,18 @@ fn case(args: &StabilityArgs) -> Result<(Loop, Setting), Error> {
     let control = controller.unwrap_or_default();
     let coulomb_nm = nominal.map_or(f64::from(control.er_c_nm), |p| p.coulomb);
     Ok((closed, Setting { window: Window::SPECIFIED, field_delay_s, coulomb_nm, control }))
+}
+
+/// Delay model and delay, s, of a machine's fluid. (10) and (12) know a dead time or a lag: both together are taken as the
+/// longer of the two with their sum, which has the same mean delay.
+fn fluid_of(plant: &Nominal) -> (Model, f64) {
+    match &plant.er {
+        Some(er) if er.dead_time_s + er.lag_s > 0.0 => {
+            let model = if er.lag_s > er.dead_time_s { Model::Lag } else { Model::DeadTime };
+            (model, er.dead_time_s + er.lag_s)
+        }
+        _ => (Model::None, FLUID_DELAY_S),
+    }
 }
 
 /// Gains in N m: a flag, else the machine's controller, else the paper's point; numbers are scaled with the plant.
@@ -133,6 +146,8 @@ fn gains(args: &StabilityArgs, plant: &Plant, controller: Option<&Config>) -> Ga
     }
 }
 
+/// Delay of the fluid in section V, s.
+const FLUID_DELAY_S: f64 = 5e-3;
 /// L of the specification, s.
 const DELAY_S: f64 = 5e-3;
 /// J of the specification, kg m2.
@@ -140,8 +155,4 @@ const INERTIA_KG_M2: f64 = 0.075;
 
 fn usage(error: LoopError) -> Error {
     Error::Usage(error.to_string())
-}
-
-fn cannot_write(file: &Path, reason: impl Display) -> Error {
-    Error::Output { file: file.to_path_buf(), reason: reason.to_string() }
 }

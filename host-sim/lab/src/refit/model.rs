@@ -76,7 +76,7 @@ fn harmonic(of: &effects::Harmonic) -> Harmonic {
 }
 
 fn damper(of: &Damper) -> Er {
-    let torque_limit = of.a * 3.5 * 3.5 + of.b * 3.5;
+    let torque_limit = Er::largest_torque(of.a, of.b);
     let response = match of.viscosity {
         Some(Viscosity::DeadTime(dead_time_s)) => FluidResponse::ViscosityDeadTime { dead_time_s, torque_limit },
         Some(Viscosity::Lag(lag_s)) => FluidResponse::ViscosityLag { lag_s, torque_limit },

@@ -13,53 +13,93 @@ const PUSHES_NM: [f64; 4] = [2.0, 4.0, 8.0, 12.0];
 /// Delay models under which the brake must still help.
 const FLUIDS: [Fluid; 5] = [Fluid::None, Fluid::QDead5, Fluid::EDead5, Fluid::ELag5, Fluid::EDead2Lag3];
 
-/// Peaks of one push, mrad.
-struct Peaks {
+/// What is left of one push.
+#[derive(Clone, Copy)]
+struct After {
+    /// Largest distance from rest, mrad.
+    peak: f64,
+    /// From the end of the push until the rotor stays within 1.5 u, ms; none if it does not within the run.
+    recovery_ms: Option<f64>,
+    /// Distance from the reference at the end of the run, mrad; in the direction of the push.
+    residual: f64,
+}
+
+/// One push with the field off, the damper only, damper and brake.
+struct Push {
     delay_s: f64,
     push_nm: f64,
     fluid: Fluid,
-    off: f64,
-    damper: f64,
-    brake: f64,
+    off: After,
+    damper: After,
+    brake: After,
+}
+
+impl Push {
+    fn helps(&self) -> bool {
+        self.brake.peak < 0.99 * self.damper.peak && self.damper.peak < self.off.peak
+    }
+
+    /// Back no later than with the damper alone, and no further off.
+    fn recovers(&self) -> bool {
+        let time = |after: &After| after.recovery_ms.unwrap_or(f64::INFINITY);
+        time(&self.brake) <= time(&self.damper) && self.brake.residual.abs() <= self.damper.residual.abs() + 0.1
+    }
+
+    fn in_words(&self) -> String {
+        let one = |after: &After| {
+            let recovery =
+                after.recovery_ms.map_or("not back in the run".to_owned(), |ms| format!("back in {ms:.0} ms"));
+            format!("peak {:.2} mrad, {recovery}, rests {:.1} mrad off", after.peak, after.residual)
+        };
+        let (off, damper, brake) = (one(&self.off), one(&self.damper), one(&self.brake));
+        format!("L 5 ms, 8 N m, {}: off {off}; damper only {damper}; with brake {brake}", self.fluid.name())
+    }
 }
 
 pub(super) fn claims() -> Result<Vec<Claim>, Error> {
-    let peaks = peaks(Speed::True)?;
-    let flashed = self::peaks(Speed::Counts)?;
-    let helps = |p: &Peaks| p.brake < 0.99 * p.damper && p.damper < p.off;
-    let holding: Vec<&Peaks> = peaks.iter().filter(|p| helps(p)).collect();
-    let mut figures = Vec::new();
-    for p in peaks.iter().filter(|p| p.delay_s == 0.005 && p.push_nm == 8.0) {
-        let (off, damper, brake) = (p.off, p.damper, p.brake);
-        let name = p.fluid.name();
-        figures
-            .push(format!("L 5 ms, 8 N m, {name}: {off:.2} mrad off, {damper:.2} damper only, {brake:.2} with brake"));
-    }
-    let best = holding.iter().map(|p| 1.0 - p.brake / p.damper).fold(0.0, f64::max);
+    let pushes = pushes(Speed::True)?;
+    let flashed = self::pushes(Speed::Counts)?;
+    let holding = pushes.iter().filter(|push| push.helps());
+    let typical = pushes.iter().filter(|push| push.delay_s == 0.005 && push.push_nm == 8.0);
+    let mut figures: Vec<String> = typical.map(Push::in_words).collect();
+    let best = holding.clone().map(|push| 1.0 - push.brake.peak / push.damper.peak).fold(0.0, f64::max);
     figures.push(format!("the brake takes up to {:.0} % off the peak of the damper alone", 100.0 * best));
-    let with_counts = flashed.iter().filter(|p| helps(p)).count();
+    let with_counts = flashed.iter().filter(|push| push.helps()).count();
     figures.push(format!("speed from counts: at {with_counts} of {} places", flashed.len()));
-    let failing = peaks.iter().filter(|p| !helps(p)).map(|p| {
-        format!("{} N m at L {} ms with {}", p.push_nm, trim_zeros(&format!("{:.4}", p.delay_s * 1e3)), p.fluid.name())
+    let failing = pushes.iter().filter(|push| !push.helps()).map(|push| {
+        let delay_ms = trim_zeros(&format!("{:.4}", push.delay_s * 1e3));
+        format!("{} N m at L {delay_ms} ms with {}", push.push_nm, push.fluid.name())
     });
     let failing = failing.collect::<Vec<_>>().join(", ");
-    let verdict = match holding.len() {
-        0 => Verdict::DoesNotHold("at no place of the range".to_owned()),
-        n if n == peaks.len() => Verdict::Holds,
-        n => Verdict::HoldsOnly(format!("at {n} of {} places; not for {failing}", peaks.len())),
-    };
-    Ok(vec![Claim {
+    let range =
+        "L 1.5 to 10 ms times pushes of 2, 4, 8, 12 N m times no delay, Q dead 5, E dead 5, E lag 5, E 2 + 3 ms";
+    let claim = |statement, test, figures, verdict| Claim {
         section: "III-B, Fig. 7",
-        statement: "Use as a brake, while moving away near the reference, improves the resistance against disturbances",
-        test: "push of 50 ms on the rotor at rest; peak with the field off, damper only, damper and brake",
-        range: "L 1.5 to 10 ms times pushes of 2, 4, 8, 12 N m times no delay, Q dead 5, E dead 5, E lag 5, E 2 + 3 ms"
-            .to_owned(),
+        statement,
+        test,
+        range: range.to_owned(),
         figures,
         verdict,
-    }])
+    };
+    let recovers = |pushes: &[Push]| pushes.iter().filter(|push| push.recovers()).count();
+    let rest = vec![format!("speed from counts: at {} of {} places", recovers(&flashed), flashed.len())];
+    Ok(vec![
+        claim(
+            "Use as a brake, while moving away near the reference, improves the resistance against disturbances",
+            "push of 50 ms on the rotor at rest; peak with the field off, damper only, damper and brake",
+            figures,
+            Verdict::of(holding.count(), pushes.len(), &format!("not for {failing}")),
+        ),
+        claim(
+            "The same, asked of what comes after the peak",
+            "back within 1.5 u of the reference no later than with the damper alone, and resting no further off (0.1 mrad)",
+            rest,
+            Verdict::of(recovers(&pushes), pushes.len(), "the other way round elsewhere: the brake lets go late"),
+        ),
+    ])
 }
 
-fn peaks(speed: Speed) -> Result<Vec<Peaks>, Error> {
+fn pushes(speed: Speed) -> Result<Vec<Push>, Error> {
     let mut places = Vec::new();
     for delay_s in GAINS_DELAYS_S {
         for push_nm in PUSHES_NM {
@@ -79,15 +119,31 @@ fn peaks(speed: Speed) -> Result<Vec<Peaks>, Error> {
                 push,
                 ..Case::PAPER
             };
-            let peak = |case: Case| Ok::<_, Error>(1e3 * peak_rad(&case.run()?));
-            Ok(Peaks {
+            Ok(Push {
                 delay_s,
                 push_nm,
                 fluid,
-                off: peak(Case { fluid: Fluid::Off, ..case })?,
-                damper: peak(Case { brake: false, ..case })?,
-                brake: peak(case)?,
+                off: after(Case { fluid: Fluid::Off, ..case })?,
+                damper: after(Case { brake: false, ..case })?,
+                brake: after(case)?,
             })
         })
         .collect()
+}
+
+fn after(case: Case) -> Result<After, Error> {
+    let rows = case.run()?;
+    let period_s = f64::from(case.config().period_s);
+    let band_rad = 1.5 * case.friction_error_rad();
+    let end = ((PUSH.start_s + PUSH.duration_s) / period_s) as usize;
+    let outside = rows.iter().rposition(|row| row.truth.position.abs() > band_rad);
+    Ok(After {
+        peak: 1e3 * peak_rad(&rows),
+        recovery_ms: match outside {
+            Some(last) if last + 1 == rows.len() => None,
+            Some(last) => Some(1e3 * period_s * (last + 1).saturating_sub(end) as f64),
+            None => Some(0.0),
+        },
+        residual: rows.last().map_or(0.0, |row| 1e3 * row.truth.position),
+    })
 }

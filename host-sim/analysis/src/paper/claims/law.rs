@@ -3,9 +3,12 @@
 use er_servo::{Config, FIELD_CEILING_KV_MM, Params, field_for_damping_kv_mm, viscosity_nm_s_rad};
 
 use super::claim::{Claim, Verdict};
+use crate::paper::case::{A, B, Case, Fluid};
+use crate::paper::scan::{GAINS_DELAYS_S, STEPS_RAD};
+use recording::Error;
 
-const A: f64 = 0.0704;
-const B: f64 = 0.470;
+/// Constant viscosities of Fig. 5, N m s/rad.
+pub(in crate::paper) const VISCOSITIES: [f64; 3] = [1.0, 5.0, 10.0];
 
 /// Equation (2) without c, N m.
 pub(in crate::paper) fn torque_nm(field_kv_mm: f64) -> f64 {
@@ -23,19 +26,21 @@ pub(in crate::paper) fn speeds_rad_s() -> impl Iterator<Item = f64> {
     (0..=1500).map(|k| f64::from(k) * 1e-3)
 }
 
-pub(super) fn claims() -> Vec<Claim> {
-    vec![linear(), unsaturated(), growing()]
+pub(super) fn claims() -> Result<Vec<Claim>, Error> {
+    Ok(vec![linear(), constant_saturates()?, unsaturated(), growing()])
 }
 
 fn linear() -> Claim {
     let limit = f64::from(FIELD_CEILING_KV_MM);
     let most_nm = torque_nm(limit);
+    let off = |q: f64, speed: f64| (torque_nm(field_for_kv_mm(q, speed).min(limit)) - q * speed).abs();
     let departure = |q: f64| {
         let unsaturated = speeds_rad_s().filter(|speed| q * speed <= most_nm);
-        let off = unsaturated.map(|speed| (torque_nm(field_for_kv_mm(q, speed).min(limit)) - q * speed).abs());
-        off.fold(0.0, f64::max)
+        unsaturated.map(|speed| off(q, speed)).fold(0.0, f64::max)
     };
-    let figures = [1.0, 5.0, 10.0].map(|q| {
+    let places = || VISCOSITIES.into_iter().flat_map(|q| speeds_rad_s().map(move |speed| (q, speed)));
+    let good = places().filter(|(q, speed)| off(*q, *speed) < 1e-9).count();
+    let figures = VISCOSITIES.map(|q| {
         let worst = if departure(q) < 1e-9 { "below 1e-9".to_owned() } else { format!("{:.1e}", departure(q)) };
         let end = most_nm / q;
         let end =
@@ -46,10 +51,54 @@ fn linear() -> Claim {
         section: "III-A, Fig. 5",
         statement: "The field of (4) makes the damper linear, good linearity for Q = 1, 5, 10 N m s/rad",
         test: "torque of (2) at the field of (4), held at 3.5 kV/mm, against Q |w| + c",
-        range: "0 to 1.5 rad/s".to_owned(),
+        range: "0 to 1.5 rad/s in steps of 1 mrad/s times the three Q".to_owned(),
         figures: figures.to_vec(),
-        verdict: Verdict::HoldsOnly(format!("while Q |w| is up to {most_nm:.4} N m, the torque of 3.5 kV/mm over c")),
+        verdict: Verdict::of(
+            good,
+            places().count(),
+            &format!("where Q |w| is up to {most_nm:.4} N m, the torque of 3.5 kV/mm over c"),
+        ),
     }
+}
+
+/// Speeds of the steps, without a field, at which a constant Q asks for more than 3.5 kV/mm.
+fn constant_saturates() -> Result<Claim, Error> {
+    let most_nm = torque_nm(f64::from(FIELD_CEILING_KV_MM));
+    let (mut saturated, mut of) = (0, 0);
+    let mut figures = Vec::new();
+    for gains_delay_s in GAINS_DELAYS_S {
+        for step_rad in STEPS_RAD {
+            let case = Case { fluid: Fluid::Off, gains_delay_s, plant_delay_s: gains_delay_s, step_rad, ..Case::PAPER };
+            let rows = case.run()?;
+            let fastest = rows.iter().map(|row| row.truth.velocity.abs()).fold(0.0, f64::max);
+            if fastest == 0.0 {
+                continue;
+            }
+            for q in VISCOSITIES {
+                of += 1;
+                saturated += usize::from(q * fastest > most_nm);
+            }
+            if (gains_delay_s, step_rad) == (Case::PAPER.gains_delay_s, Case::PAPER.step_rad) {
+                let moving = || rows.iter().map(|row| row.truth.velocity.abs()).filter(|speed| *speed > 1e-3);
+                let share = |q: f64| {
+                    let over = moving().filter(|speed| q * speed > most_nm).count();
+                    format!("Q {q} {:.0} %", 100.0 * over as f64 / moving().count().max(1) as f64)
+                };
+                let shares = VISCOSITIES.map(share).join(", ");
+                figures.push(format!(
+                    "30 degrees, L 5 ms: up to {fastest:.2} rad/s; over the limit for this part of the way: {shares}"
+                ));
+            }
+        }
+    }
+    Ok(Claim {
+        section: "III-B",
+        statement: "A constant Q saturates the field of 3.5 kV/mm because of the speed in the transit",
+        test: "fastest speed of a step without field times Q against the torque of 3.5 kV/mm",
+        range: "L 1.5 to 10 ms times steps of 5.5 mrad to 1 rad times Q 1, 5, 10 N m s/rad".to_owned(),
+        figures,
+        verdict: Verdict::of(saturated, of, "the rest are small steps, too slow for it"),
+    })
 }
 
 fn unsaturated() -> Claim {
@@ -60,20 +109,22 @@ fn unsaturated() -> Claim {
     };
     let fields = speeds_rad_s().filter_map(|speed| Some((speed, field(speed)?)));
     let peak = fields.fold((0.0, 0.0), |most, next| if next.1 > most.1 { next } else { most });
-    let below = peak.1 < f64::from(FIELD_CEILING_KV_MM);
+    let speeds = speeds_rad_s().count();
+    let below = speeds_rad_s().filter_map(field).filter(|field| *field < f64::from(FIELD_CEILING_KV_MM)).count();
     Claim {
         section: "III-B",
         statement: "With Q of (5) the field stays under the limit of 3.5 kV/mm, so the viscosity is realised",
         test: "field of (4) with (5), as the flashed law computes it",
         range: "0 to 1.5 rad/s".to_owned(),
         figures: vec![format!("highest field {:.4} kV/mm, at {:.3} rad/s", peak.1, peak.0)],
-        verdict: if below { Verdict::Holds } else { Verdict::DoesNotHold("the field saturates".to_owned()) },
+        verdict: Verdict::of(below, speeds, ""),
     }
 }
 
 fn growing() -> Claim {
     let q = |speed: f64| f64::from(viscosity_nm_s_rad(speed as f32));
     let least = speeds_rad_s().fold((0.0, f64::INFINITY), |least, w| if q(w) < least.1 { (w, q(w)) } else { least });
+    let grows = speeds_rad_s().zip(speeds_rad_s().skip(1)).filter(|(slow, fast)| q(*slow) > q(*fast)).count();
     Claim {
         section: "III-B, Fig. 6",
         statement: "Q is small at high speed and grows continuously as the motor slows down",
@@ -92,9 +143,10 @@ fn growing() -> Claim {
                 field_for_kv_mm(q(1.5), 1.5)
             ),
         ],
-        verdict: Verdict::HoldsOnly(format!(
-            "below {:.2} rad/s; from there to 1.5 Q falls as the motor slows down",
-            least.0
-        )),
+        verdict: Verdict::of(
+            grows,
+            speeds_rad_s().count() - 1,
+            &format!("below {:.2} rad/s; from there to 1.5 Q falls as the motor slows down", least.0),
+        ),
     }
 }

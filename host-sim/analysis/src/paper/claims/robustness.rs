@@ -10,7 +10,7 @@ use crate::stability::{Fluid, Loop, LoopError, curves};
 use recording::Error;
 
 /// "Several dozen percent": what every quantity must bear alone, up and down.
-const DOZENS: [f64; 3] = [0.24, 0.36, 0.5];
+pub(super) const DOZENS: [f64; 3] = [0.24, 0.36, 0.5];
 /// Q1 of the range: least of (5), the figure's, the peak.
 const VISCOSITIES: [f64; 5] = [0.158, 5.0, 10.0, 20.0, PEAK_NM_S_RAD];
 
@@ -29,7 +29,7 @@ fn cases() -> Vec<(f64, f64, Fluid)> {
 }
 
 /// Whether the loop stays stable with each quantity alone off by `part`, up and down.
-fn alone(closed: &Loop, part: f64) -> bool {
+pub(super) fn alone(closed: &Loop, part: f64) -> bool {
     let found = tolerances(closed);
     !found.is_empty()
         && found.iter().all(|tolerance| {
@@ -85,18 +85,14 @@ impl Judged {
 
     fn verdict(&self) -> Verdict {
         let column = 1;
-        match self.count(column, |_, _| true) {
-            (0, _) => Verdict::DoesNotHold("at no place of the range".to_owned()),
-            (holds, of) if holds == of => Verdict::Holds,
-            (holds, of) => {
-                let (lag, lags) = self.count(column, |_, fluid| fluid == LAG);
-                let (dead, deads) = self.count(column, |_, fluid| fluid == DEAD);
-                Verdict::HoldsOnly(format!(
-                    "+-36 % one at a time: at {holds} of {of} places ({lag} of {lags} with a lag, {dead} of {deads} with a \
-                     dead time)"
-                ))
-            }
-        }
+        let (holds, of) = self.count(column, |_, _| true);
+        let (lag, lags) = self.count(column, |_, fluid| fluid == LAG);
+        let (dead, deads) = self.count(column, |_, fluid| fluid == DEAD);
+        Verdict::of(
+            holds,
+            of,
+            &format!("+-36 % one at a time: {lag} of {lags} with a lag, {dead} of {deads} with a dead time"),
+        )
     }
 }
 
@@ -145,17 +141,21 @@ fn symbol(quantity: Quantity) -> &'static str {
     }
 }
 
+/// The quantity that loses the loop by the smallest factor; none for a loop that is lost already.
+pub(super) fn nearest(closed: &Loop) -> Option<Quantity> {
+    let distances = tolerances(closed).into_iter().filter_map(|tolerance| {
+        let sides = [tolerance.lower, tolerance.upper].into_iter().flatten();
+        let near = sides.map(|limit| limit.factor.ln().abs()).min_by(f64::total_cmp)?;
+        Some((tolerance.quantity, near))
+    });
+    distances.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(quantity, _)| quantity)
+}
+
 fn most_sensitive() -> Result<Claim, LoopError> {
     let mut found: Vec<(&str, usize)> = Vec::new();
     let mut of = 0;
     for (delay_s, q1, fluid) in cases() {
-        let nearest = tolerances(&closed(delay_s, 0.2, q1, fluid)?).into_iter().filter_map(|tolerance| {
-            let distance = |factor: f64| factor.ln().abs();
-            let sides = [tolerance.lower, tolerance.upper].into_iter().flatten();
-            let near = sides.map(|limit| distance(limit.factor)).min_by(f64::total_cmp)?;
-            Some((tolerance.quantity, near))
-        });
-        let Some((quantity, _)) = nearest.min_by(|a, b| a.1.total_cmp(&b.1)) else { continue };
+        let Some(quantity) = nearest(&closed(delay_s, 0.2, q1, fluid)?) else { continue };
         of += 1;
         match found.iter_mut().find(|(name, _)| *name == symbol(quantity)) {
             Some((_, count)) => *count += 1,
@@ -165,11 +165,7 @@ fn most_sensitive() -> Result<Claim, LoopError> {
     let fluid_delay = found.iter().find(|(name, _)| *name == "L_Q or T_Q").map_or(0, |(_, count)| *count);
     found.sort_by_key(|(_, count)| std::cmp::Reverse(*count));
     let figures = found.iter().map(|(name, count)| format!("{name} is lost first at {count} of {of} stable places"));
-    let verdict = match fluid_delay {
-        0 => Verdict::DoesNotHold("some other quantity is always nearer to its limit".to_owned()),
-        n if n == of => Verdict::Holds,
-        n => Verdict::HoldsOnly(format!("L_Q or T_Q is nearest to its limit at {n} of {of} places")),
-    };
+    let verdict = Verdict::of(fluid_delay, of, "places at which L_Q or T_Q is nearest to its limit");
     Ok(Claim {
         section: "VII",
         statement: "The loop is greatly affected by variation of the model, especially the lag time or time constant",

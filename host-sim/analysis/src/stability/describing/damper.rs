@@ -38,6 +38,8 @@ pub enum DamperDelay {
         dead_time_s: f64,
         /// Time constant, s.
         lag_s: f64,
+        /// Q times the speed is at most what the highest field gives, as a fluid can; false as (6) and (7) are printed.
+        bounded: bool,
     },
 }
 
@@ -50,13 +52,15 @@ impl DamperDelay {
     pub fn later_by(self, more_s: f64) -> Self {
         match self {
             Self::Field { dead_time_s, lag_s } => Self::Field { dead_time_s: dead_time_s + more_s, lag_s },
-            Self::Viscosity { dead_time_s, lag_s } => Self::Viscosity { dead_time_s: dead_time_s + more_s, lag_s },
+            Self::Viscosity { dead_time_s, lag_s, bounded } => {
+                Self::Viscosity { dead_time_s: dead_time_s + more_s, lag_s, bounded }
+            }
         }
     }
 
     fn dead_time_and_lag_s(self) -> (f64, f64) {
         match self {
-            Self::Field { dead_time_s, lag_s } | Self::Viscosity { dead_time_s, lag_s } => (dead_time_s, lag_s),
+            Self::Field { dead_time_s, lag_s } | Self::Viscosity { dead_time_s, lag_s, .. } => (dead_time_s, lag_s),
         }
     }
 }
@@ -115,9 +119,10 @@ impl Damper {
                 let field = delayed(|order| order.field);
                 first_harmonic(|k, _| self.torque_nm(field[k]))
             }
-            DamperDelay::Viscosity { .. } => {
+            DamperDelay::Viscosity { bounded, .. } => {
                 let (viscosity, brake_nm) = (delayed(|order| order.viscosity), delayed(|order| order.brake_nm));
-                first_harmonic(|k, cos| viscosity[k] * swing.speed_rad_s() * cos.abs() + brake_nm[k])
+                let most_nm = if bounded { self.torque_nm(plant::HIGHEST_FIELD_KV_MM) } else { f64::INFINITY };
+                first_harmonic(|k, cos| (viscosity[k] * swing.speed_rad_s() * cos.abs()).min(most_nm) + brake_nm[k])
             }
         }
     }
@@ -238,7 +243,7 @@ mod tests {
         // Equation (4) inverts (2), so the torque is Q(w) w: no stiffness, and both channels alike.
         let config = Config { near_rad: 0.0, ..Config::default() };
         let swing = Swing { amplitude_rad: 0.1, frequency_rad_s: 10.0 };
-        let nothing = DamperDelay::Viscosity { dead_time_s: 0.0, lag_s: 0.0 };
+        let nothing = DamperDelay::Viscosity { dead_time_s: 0.0, lag_s: 0.0, bounded: true };
         let [field, viscosity] =
             [DamperDelay::NONE, nothing].map(|delay| Damper::new(&config, delay).unwrap().first_harmonic(swing));
         assert!((field.with_speed_nm / viscosity.with_speed_nm - 1.0).abs() < 1e-4);
@@ -258,8 +263,8 @@ mod tests {
     fn no_delay_makes_the_damper_push() {
         for delay_s in [0.0, 0.002, 0.005, 0.02, 0.05] {
             for (dead_time_s, lag_s) in [(delay_s, 0.0), (0.0, delay_s), (0.4 * delay_s, 0.6 * delay_s)] {
-                for delay in [DamperDelay::Field { dead_time_s, lag_s }, DamperDelay::Viscosity { dead_time_s, lag_s }]
-                {
+                let viscosity = |bounded| DamperDelay::Viscosity { dead_time_s, lag_s, bounded };
+                for delay in [DamperDelay::Field { dead_time_s, lag_s }, viscosity(true), viscosity(false)] {
                     for (a, w) in [(1e-3, 20.0), (5e-3, 100.0), (0.01, 300.0), (0.3, 30.0)] {
                         let swing = Swing { amplitude_rad: a, frequency_rad_s: w };
                         assert!(damper(delay).first_harmonic(swing).with_speed_nm >= 0.0);

@@ -8,17 +8,25 @@ use super::{Damper, DamperDelay, LimitCycle, NonlinearLoop, Search};
 use crate::stability::case::{Gains, Loop};
 use recording::Error;
 
-/// The models by the names of the specification; none for the field off.
-pub const MODELS: [(&str, Option<DamperDelay>); 8] = [
+/// The models by the names of the specification; none for the field off. A late viscosity gives at most the torque of the
+/// highest field, and in the last three as much as (6) and (7) print.
+pub const MODELS: [(&str, Option<DamperDelay>); 11] = [
     ("ER off", None),
     ("none", Some(DamperDelay::NONE)),
-    ("Q dead 5 ms", Some(DamperDelay::Viscosity { dead_time_s: 5e-3, lag_s: 0.0 })),
-    ("Q dead 50 ms", Some(DamperDelay::Viscosity { dead_time_s: 50e-3, lag_s: 0.0 })),
-    ("Q lag 5 ms", Some(DamperDelay::Viscosity { dead_time_s: 0.0, lag_s: 5e-3 })),
+    ("Q dead 5 ms", Some(viscosity(5e-3, 0.0, true))),
+    ("Q dead 50 ms", Some(viscosity(50e-3, 0.0, true))),
+    ("Q lag 5 ms", Some(viscosity(0.0, 5e-3, true))),
     ("E dead 5 ms", Some(DamperDelay::Field { dead_time_s: 5e-3, lag_s: 0.0 })),
     ("E lag 5 ms", Some(DamperDelay::Field { dead_time_s: 0.0, lag_s: 5e-3 })),
     ("E dead 2 + lag 3 ms", Some(DamperDelay::Field { dead_time_s: 2e-3, lag_s: 3e-3 })),
+    ("Q dead 5 ms, as printed", Some(viscosity(5e-3, 0.0, false))),
+    ("Q dead 50 ms, as printed", Some(viscosity(50e-3, 0.0, false))),
+    ("Q lag 5 ms, as printed", Some(viscosity(0.0, 5e-3, false))),
 ];
+
+const fn viscosity(dead_time_s: f64, lag_s: f64, bounded: bool) -> DamperDelay {
+    DamperDelay::Viscosity { dead_time_s, lag_s, bounded }
+}
 
 /// The limit cycles under one model.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]

@@ -32,7 +32,7 @@ pub fn remaining_amplitude_rad(
         coulomb: coulomb_nm,
         torque_delay_s: closed.plant().torque_delay_s,
         torque_limit: Some(f64::from(config.torque_limit_nm)),
-        er: delay.map(|delay| Er { response: response(delay), ..Er::new(a, b, 0.0, 0.0) }),
+        er: delay.map(|delay| Er { response: response(delay, Er::largest_torque(a, b)), ..Er::new(a, b, 0.0, 0.0) }),
         ..Model::new(closed.plant().inertia_kg_m2)
     };
     let setup = Setup { model, config, disturbances: Vec::new(), sensor_noise_rad: 0.0, torque_noise_nm: 0.0, seed: 0 };
@@ -43,15 +43,17 @@ pub fn remaining_amplitude_rad(
     Ok(0.5 * (high - low))
 }
 
-/// The plant's name for a delay model.
-fn response(delay: DamperDelay) -> FluidResponse {
-    // The field's limit bounds the torque already.
-    let torque_limit = f64::INFINITY;
+/// The plant's name for a delay model; `most_nm` is what the fluid can give at the highest field, N m.
+fn response(delay: DamperDelay, most_nm: f64) -> FluidResponse {
     match delay {
         DamperDelay::Field { dead_time_s, lag_s } => FluidResponse::Field(FieldResponse::new(dead_time_s, lag_s)),
-        DamperDelay::Viscosity { dead_time_s, lag_s: 0.0 } => {
-            FluidResponse::ViscosityDeadTime { dead_time_s, torque_limit }
+        DamperDelay::Viscosity { dead_time_s, lag_s, bounded } => {
+            let torque_limit = if bounded { most_nm } else { f64::INFINITY };
+            if lag_s == 0.0 {
+                FluidResponse::ViscosityDeadTime { dead_time_s, torque_limit }
+            } else {
+                FluidResponse::ViscosityLag { lag_s, torque_limit }
+            }
         }
-        DamperDelay::Viscosity { lag_s, .. } => FluidResponse::ViscosityLag { lag_s, torque_limit },
     }
 }

@@ -32,9 +32,11 @@ impl Fluid {
         let field = -Self::B / (2.0 * Self::A) + ((Self::B * Self::B / (4.0 * Self::A) + q * w) / Self::A).sqrt();
         let brakes = x.abs() < 0.02 && x * v > 0.0;
         let torque = |e: f64| Self::A * e * e + Self::B * e;
-        let (on_field, dead_time_s, lag_s) = match self.delay {
-            DamperDelay::Field { dead_time_s, lag_s } => (true, dead_time_s, lag_s),
-            DamperDelay::Viscosity { dead_time_s, lag_s } => (false, dead_time_s, lag_s),
+        let (on_field, dead_time_s, lag_s, most_nm) = match self.delay {
+            DamperDelay::Field { dead_time_s, lag_s } => (true, dead_time_s, lag_s, f64::INFINITY),
+            DamperDelay::Viscosity { dead_time_s, lag_s, bounded } => {
+                (false, dead_time_s, lag_s, if bounded { torque(3.5) } else { f64::INFINITY })
+            }
         };
         self.orders.push(match (w > 1.5, brakes, on_field) {
             (true, ..) => [0.0, 0.0],
@@ -48,7 +50,7 @@ impl Fluid {
         for (acting, order) in self.acting.iter_mut().zip(order) {
             *acting = if lag_s > 0.0 { *acting + STEP_S / lag_s * (order - *acting) } else { order };
         }
-        if on_field { torque(self.acting[0]) } else { self.acting[0] * w + self.acting[1] }
+        if on_field { torque(self.acting[0]) } else { (self.acting[0] * w).min(most_nm) + self.acting[1] }
     }
 }
 

@@ -121,6 +121,6 @@ fn limit_cycles(out: &mut String, analysis: &Analysis) {
             .collect();
         let cycles = if cycles.is_empty() { "none".to_owned() } else { cycles.join(", ") };
         let left_mrad = model.simulated_amplitude_rad * 1e3;
-        let _ = writeln!(out, "  {:<20} {cycles}; {left_mrad:.3} mrad left in a run", model.model);
+        let _ = writeln!(out, "  {:<24} {cycles}; {left_mrad:.3} mrad left in a run", model.model);
     }
 }
