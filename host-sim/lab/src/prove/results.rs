@@ -66,8 +66,8 @@ pub fn document(results: &Results) -> String {
     let [first, last] = origin.seeds;
     let mut text = format!(
         "# Proof on concealed effects\n\nMade by `{}`; seeds {first} to {last}, {} cases, {} without an answer. Sources at \
-         {}; SHA-256 of the program that diagnosed: {}.\n\nWritten by the command; thresholds were tuned on seeds below \
-         10,000.\n\n",
+         {}; SHA-256 of the program that diagnosed: {}.\n\nWritten by the command. What had been \
+         looked into before a round is in `docs/scores.md`.\n\n",
         origin.command,
         outcomes.len(),
         score.failures.len(),
