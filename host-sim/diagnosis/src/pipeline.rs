@@ -121,7 +121,7 @@ fn named(problem: &Problem, found: &Found) -> Vec<Named> {
         let own = best.freedom();
         let same = |other: &Effect| problem.nominal.indistinct(entry.effect, other);
         let standing = match alike.iter().filter(|(_, _, other)| !same(other)).map(|(_, freedom, _)| *freedom).min() {
-            _ if best.collinear(at) > MOST_COLLINEAR => Standing::Contested,
+            _ if at >= found.looked_at || best.collinear(at) > MOST_COLLINEAR => Standing::Contested,
             None => Standing::Certain,
             Some(fewest) if fewest > own => Standing::CertainBySimplicity,
             Some(_) => Standing::Contested,

@@ -43,6 +43,8 @@ pub struct Found {
     pub nominal: Step,
     /// The best.
     pub best: Step,
+    /// Entries of the best, from the first, whose rivals were looked at; all of them unless the budget of work ended it.
+    pub looked_at: usize,
     /// For each entry of the best its p-value, corrected for all that was tried, and the gain of its windows.
     pub evidence: Vec<(f64, f64)>,
     /// Hypotheses beside the best: what was refitted in place of an entry, with the entry's place.
@@ -325,5 +327,5 @@ fn neighbourhood(
         evidence.push((p, gain));
         at += 1;
     }
-    Some(Found { nominal, best, evidence, rivals, rejected })
+    Some(Found { nominal, best, looked_at: at, evidence, rivals, rejected })
 }

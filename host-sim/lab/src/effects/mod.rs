@@ -332,7 +332,8 @@ mod tests {
 
     #[test]
     fn the_order_is_that_of_the_table_of_names_and_every_effect_reports_what_it_names() {
-        assert_eq!(VOCABULARY.len(), EFFECTS.len());
+        // What only the likelihood knows follows behind.
+        assert!(VOCABULARY.len() <= EFFECTS.len());
         let tones = vec![Vibration { frequency_hz: 5.0, phasors: vec![(0.0, 0.0)] }];
         let sizes = Excitation { orders: vec![7.0], pulses: vec![PULSE], tones, ..Excitation::default() };
         let physics = Physics::nominal(&machine());

@@ -208,7 +208,15 @@ impl Bounce {
                 *state = next;
                 change
             }
-            None => self.shaft.advance(rotor, (span, steps.min(MOST_STEPS)), state),
+            None if steps > MOST_STEPS => {
+                // A contact this stiff has settled before the cell is over.
+                let (q, w) = rotor.at(span);
+                let before = state.v;
+                let behind = half_gap.copysign(end - (state.x + state.v * span));
+                *state = State { x: q - behind, v: w };
+                state.v - before
+            }
+            None => self.shaft.advance(rotor, (span, steps), state),
         }
     }
 }
