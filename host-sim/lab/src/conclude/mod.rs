@@ -8,7 +8,7 @@ use diagnosis::problem::Problem;
 use diagnosis::recorded::Recorded;
 
 use crate::Error;
-use crate::decide::{Diagnosis, mismatch, stretches};
+use crate::decide::{self, Diagnosis, mismatch, stretches};
 use crate::effects::Physics;
 use crate::progress::Stages;
 use crate::read::{Axis, AxisKind, EffectEntry, Machine, Recording, position_step, vocabulary};
@@ -66,7 +66,25 @@ pub fn diagnose(request: &Request<'_>) -> Result<Diagnosis, Error> {
     stages.done("answer");
     let nominal = Physics::of(request.machine, &names)?;
     let improved = improved(request.machine, &names, &answer)?;
-    Ok(Diagnosis { answer, nominal, improved, proposal: None, stages })
+    let mut diagnosis = Diagnosis { answer, nominal, improved, proposal: None, stages };
+    if diagnosis.answer.verdict == Verdict::Ambiguous {
+        propose(request, &mut diagnosis);
+    }
+    Ok(diagnosis)
+}
+
+/// What to record next. Proposals still come from the judge by rules, which has a search of its own; where it proposes
+/// nothing, nothing is proposed.
+fn propose(request: &Request<'_>, diagnosis: &mut Diagnosis) {
+    let known = request.vocabulary.iter().filter_map(|effect| crate::effects::find(effect.id));
+    let vocabulary: Vec<_> = known.collect();
+    let Request { machine, recordings, holdout, .. } = *request;
+    let rules = decide::diagnose(&decide::Request { machine, recordings, holdout, vocabulary: &vocabulary });
+    if let Ok(found) = rules {
+        diagnosis.answer.experiment = found.answer.experiment;
+        diagnosis.proposal = found.proposal;
+    }
+    diagnosis.stages.done("propose");
 }
 
 /// The machine with the step that its recordings show, where that is clearly coarser than the file says.

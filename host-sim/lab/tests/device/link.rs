@@ -48,7 +48,7 @@ fn every_command_is_carried_out() {
     assert!(text.starts_with("reference -0.087271 rad, position ") && text.ends_with("stopped\n"), "{text}");
     assert_eq!(done(&far, "run step --enable --duration-s 0.1"), "running\nruns for 0.1 s\nstopped\n");
 
-    let unstable = refused(&far, "set kd_nm_s_rad=0", 3);
+    let unstable = refused(&far, "set kd_nm_s_rad=0", 2);
     assert!(unstable.contains("margins too small: phase"), "{unstable}");
     done(&far, "set kd_nm_s_rad=0 --force");
     assert!(done(&far, "status").contains("forced against the stability margins"));
