@@ -1,7 +1,7 @@
 //! How much a diagnosis may compute before it answers with what it has.
 //!
 //! Work is counted and not timed, so that the same files give the same answer on a slow machine, a busy one, or with any
-//! number of threads. Whether it is used up is only looked at where nothing runs in parallel ([`Budget::check`]); what runs
+//! number of threads. Whether it is used up is only looked at where nothing runs in parallel (`Budget::check`); what runs
 //! in parallel sees the same everywhere.
 
 use std::sync::Arc;

@@ -12,7 +12,7 @@ pub struct Args {
     /// Log to convert, of any format that is read; - for standard input.
     #[arg(value_name = "LOG")]
     log: PathBuf,
-    /// Machine file whose [columns] say what the columns are; without it, the log must have those of the format.
+    /// Machine file whose section `columns` says what the columns are; without it, the log must have those of the format.
     #[arg(long, value_name = "FILE")]
     machine: Option<PathBuf>,
     /// Where the recording goes, in the units of the format: .csv or .parquet.

@@ -15,7 +15,7 @@ pub struct Args {
     /// this computer.
     #[arg(value_name = "LOG")]
     logs: Vec<PathBuf>,
-    /// Machine file whose [columns] say what the columns are; without it, they are guessed as init does.
+    /// Machine file whose section `columns` says what the columns are; without it, they are guessed as init does.
     #[arg(long, value_name = "FILE")]
     machine: Option<PathBuf>,
     /// What a column is, as init takes it.

@@ -19,7 +19,7 @@ pub struct Args {
     #[arg(required = true, value_name = "LOG")]
     logs: Vec<PathBuf>,
     /// What a column is: time, position, torque (force on a linear axis), reference, velocity and others, as
-    /// KEY=NAME[:UNIT[*SCALE]]; units such as us, deg, mrad, rev, counts(8192), mm, mN m, A, V. Once for each column.
+    /// `KEY=NAME[:UNIT[*SCALE]]`; units such as us, deg, mrad, rev, counts(8192), mm, mN m, A, V. Once for each column.
     #[arg(long, value_name = "KEY=NAME:UNIT*SCALE")]
     map: Vec<MapFlag>,
     /// The kind of axis, where no unit tells it.
