@@ -3,7 +3,7 @@
 use crate::margins::{DELAY_MARGIN_SHARE, GAIN_MARGIN, Margins, PHASE_MARGIN_DEG};
 use crate::parameters::Parameter;
 
-/// Why a [`Config`] is refused.
+/// Why a [`crate::Config`] is refused.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ConfigError {
     /// A value is not finite or lies outside its range.

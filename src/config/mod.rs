@@ -11,7 +11,7 @@ pub(crate) const POSITION_RANGE_RAD: f32 = 25_000.0;
 /// Control period of the image, s: its timer is fixed (board.md).
 pub const IMAGE_PERIOD_S: f32 = 0.0005;
 
-/// What the law is built from. Names end in the unit; ranges stand in [`parameters::TABLE`].
+/// What the law is built from. Names end in the unit; ranges stand in [`crate::parameters::TABLE`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Config {
     /// Control period.
