@@ -133,7 +133,7 @@ pub fn prepare(
             match seed % 3 {
                 0 => dac.deafen(true),
                 1 => dac.set_bus_fault(BusFault::AllZeros, seed),
-                _ => dac.overload([seed % 2 == 0, true]),
+                _ => dac.overload([seed.is_multiple_of(2), true]),
             }
         }),
         Cause::FieldOver | Cause::FieldApart | Cause::StuckHighVoltage => {
