@@ -65,11 +65,21 @@ pub struct Args {
 
 /// Who decides.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-enum Judge {
+pub(super) enum Judge {
     /// One likelihood, its confidence set and its goodness of fit.
     Likelihood,
     /// Forty-five rules grown on one simulated servo.
     Rules,
+}
+
+impl Judge {
+    /// As the flag takes it.
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Self::Likelihood => "likelihood",
+            Self::Rules => "rules",
+        }
+    }
 }
 
 /// Identifiers that may be named.

@@ -18,6 +18,8 @@ pub struct Tool {
     pub program: PathBuf,
     /// Threads of each diagnosis.
     pub jobs: usize,
+    /// Who decides, as `diagnose --judge` takes it.
+    pub judge: &'static str,
     /// A diagnosis that takes longer is ended, and its case counts as not answered.
     pub limit: Duration,
 }
@@ -48,7 +50,7 @@ impl Tool {
         let file = format!("{name}.json");
         let mut command = Command::new(&self.program);
         command.current_dir(folder).args(["diagnose", "--machine", question.machine, "--json", &file]);
-        command.arg("--jobs").arg(self.jobs.to_string());
+        command.arg("--jobs").arg(self.jobs.to_string()).args(["--judge", self.judge]);
         command.args(["--experiment", &format!("{name}.experiment.csv")]);
         for held_out in &question.holdout {
             command.args(["--holdout", held_out]);
