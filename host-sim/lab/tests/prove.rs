@@ -55,8 +55,9 @@ fn the_diagnosis_is_given_the_files_of_the_case_and_nothing_else() {
     let words: Vec<&str> = words.lines().collect();
     let asked = ["diagnose", "--machine", "machine.toml", "--json", "answer.json", "--jobs", "1"];
     assert_eq!(words[..7], asked);
-    assert_eq!(words[7..13], ["--experiment", "answer.experiment.csv", "--holdout", "c.csv", "a.csv", "b.csv"]);
-    assert_eq!(words[13..], ["a.csv", "answer.stderr", "b.csv", "c.csv", "machine.toml", "words"]);
+    assert_eq!(words[7..9], ["--judge", "likelihood"]);
+    assert_eq!(words[9..15], ["--experiment", "answer.experiment.csv", "--holdout", "c.csv", "a.csv", "b.csv"]);
+    assert_eq!(words[15..], ["a.csv", "answer.stderr", "b.csv", "c.csv", "machine.toml", "words"]);
 }
 
 #[test]
