@@ -3,7 +3,7 @@
 use crate::confidence_set::{Interval, Step, compare, intervals};
 use crate::effects::{Effect, VOCABULARY};
 use crate::goodness::{Predictor, predictors};
-use crate::hypothesis::Entry;
+use crate::hypothesis::{Entry, Refitted};
 use crate::problem::Problem;
 use crate::search::{Found, LEVEL_OF_A_STEP, Rejected, SMALLEST_GAIN, search};
 use crate::verdict::{Standing, Verdict, verdict};
@@ -142,6 +142,23 @@ fn named(problem: &Problem, found: &Found) -> Vec<Named> {
     effects
 }
 
+/// What is left is told as the mean torque over this time, s: longer than the sensor's noise, shorter than motion.
+const REMAINDER_S: f64 = 0.02;
+
+/// The torque that the samples say is missing, root mean square of its means, N m (N).
+fn torque_rms(problem: &Problem, refitted: &Refitted) -> f64 {
+    let (mut squares, mut count) = (0.0, 0_usize);
+    for (recorded, innovations) in problem.recordings.iter().zip(&refitted.evaluation.innovations) {
+        let rows = ((REMAINDER_S / recorded.period_s().max(f64::MIN_POSITIVE)).round() as usize).max(1);
+        for torques in innovations.left_torque.chunks_exact(rows) {
+            let torque = torques.iter().sum::<f64>() / rows as f64;
+            squares += torque * torque;
+            count += 1;
+        }
+    }
+    (squares / count.max(1) as f64).sqrt()
+}
+
 /// What is left, if a channel predicts a relevant part of it, or if another effect certainly adds to the likelihood, a relevant
 /// part of what was gained, without being worth a name.
 fn remainder(problem: &Problem, found: &Found) -> Option<Remainder> {
@@ -153,9 +170,9 @@ fn remainder(problem: &Problem, found: &Found) -> Option<Remainder> {
     let gained = refitted.log_likelihood - found.nominal.assessed.refitted.log_likelihood;
     let unnamed = found.rejected.iter().filter(|one| one.certain && one.rise >= SMALLEST_GAIN * gained);
     let unnamed: Vec<&'static Effect> = unnamed.map(|one| one.effect).collect();
-    (!predictors.is_empty() || !unnamed.is_empty()).then(|| {
-        let noise = &refitted.noise;
-        let white = noise.torque_density / (2.0 * noise.colour_s);
-        Remainder { torque_rms: (noise.colour_sd * noise.colour_sd + white).sqrt(), predictors, unnamed }
+    (!predictors.is_empty() || !unnamed.is_empty()).then(|| Remainder {
+        torque_rms: torque_rms(problem, refitted),
+        predictors,
+        unnamed,
     })
 }

@@ -3,8 +3,9 @@
 use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use crate::effects::Excitation;
-use crate::likelihood::Grid;
+use crate::effects::{Excitation, measured};
+use crate::likelihood::inverse::Motion;
+use crate::likelihood::{Grid, Rounding};
 use crate::physics::Physics;
 use crate::recorded::Recorded;
 
@@ -19,19 +20,23 @@ pub struct Problem {
     pub fitted: usize,
     /// Substeps of each recording.
     pub grids: Vec<Grid>,
+    /// The motion of each recording, given, where the torque column may be a measurement; else empty, and the torque is a command.
+    pub motions: Vec<Motion>,
     /// Row ranges of the blocks of each recording.
     pub blocks: Vec<Vec<Range<usize>>>,
     /// What the motion excites.
     pub excitation: Excitation,
-    /// The sensor's smallest noise, rad (m): that of its steps.
+    /// The sensor's step, rad (m); 0 for a continuous one.
+    pub step: f64,
+    /// The sensor's smallest noise beside its rounding, rad (m).
     pub least_sensor_sd: f64,
     /// Substeps that all passes took so far.
     pub(crate) spent: AtomicU64,
-    /// Rows on which the noise is estimated, with their recording: three numbers need no more.
-    pub excerpt: Vec<(usize, Range<usize>)>,
+    /// Rows of each recording on which its noise is estimated: two numbers need no more.
+    pub excerpts: Vec<Vec<Range<usize>>>,
 }
 
-/// Rows of a recording that the noise is estimated on: three numbers to some percent ...
+/// Rows of a recording that the noise is estimated on: two numbers to some percent ...
 const EXCERPT_ROWS: usize = 4000;
 /// ... in this many stretches, spread evenly, so that motion of every kind is in them.
 const STRETCHES: usize = 8;
@@ -44,15 +49,12 @@ impl Problem {
     pub fn new(nominal: Physics, recordings: Vec<Recorded>, fitted: usize, resolution: f64, linear: bool) -> Self {
         let grids = recordings.iter().map(Grid::new).collect();
         let blocks = recordings.iter().map(blocks).collect();
-        let excerpt = recordings[..fitted]
-            .iter()
-            .enumerate()
-            .flat_map(|(index, recorded)| stretches(index, recorded.rows()))
-            .collect();
+        let excerpts = recordings.iter().map(|recorded| stretches(recorded.rows())).collect();
         let excitation = excitation(&recordings, fitted, linear);
-        // Steps of a uniform quantiser; without any, what double precision keeps of the travel.
+        let motions = if measured(&nominal, &excitation) { motions(&recordings, resolution) } else { Vec::new() };
+        // Without steps, what double precision keeps of the travel.
         let least_sensor_sd =
-            (resolution / 12.0_f64.sqrt()).max(1e-9 * excitation.travel).max(f64::MIN_POSITIVE.sqrt());
+            Rounding::white_sd(resolution).max(1e-9 * excitation.travel).max(f64::MIN_POSITIVE.sqrt());
         Self {
             nominal,
             recordings,
@@ -61,7 +63,9 @@ impl Problem {
             blocks,
             excitation,
             least_sensor_sd,
-            excerpt,
+            excerpts,
+            motions,
+            step: resolution,
             spent: AtomicU64::new(0),
         }
     }
@@ -92,19 +96,32 @@ impl Problem {
         if self.fitted < self.recordings.len() { self.fitted..self.recordings.len() } else { 0..self.fitted }
     }
 
-    /// Rows of the recordings to fit.
-    pub fn fitted_rows(&self) -> usize {
-        self.recordings[..self.fitted].iter().map(Recorded::rows).sum()
+    /// Residuals of the recordings to fit: their rows, or their test functions where the motion is given.
+    pub fn residuals(&self) -> usize {
+        if self.motions.is_empty() {
+            self.recordings[..self.fitted].iter().map(Recorded::rows).sum()
+        } else {
+            self.motions[..self.fitted].iter().map(Motion::residuals).sum()
+        }
     }
 }
 
-fn stretches(index: usize, rows: usize) -> Vec<(usize, Range<usize>)> {
+/// Fewest residual torques of a recording: with fewer its noise is not known to 15 %.
+const FEWEST_RESIDUALS: usize = 20;
+
+/// The motion of each recording; empty where one is too short for it.
+fn motions(recordings: &[Recorded], resolution: f64) -> Vec<Motion> {
+    let all: Vec<Motion> = recordings.iter().map(|recorded| Motion::new(recorded, resolution)).collect();
+    if all.iter().all(|motion| motion.residuals() >= FEWEST_RESIDUALS) { all } else { Vec::new() }
+}
+
+fn stretches(rows: usize) -> Vec<Range<usize>> {
     if rows <= 2 * EXCERPT_ROWS {
-        return vec![(index, 0..rows)];
+        return std::iter::once(0..rows).collect();
     }
     let (share, length) = (rows / STRETCHES, EXCERPT_ROWS / STRETCHES);
     (0..STRETCHES)
-        .map(|stretch| (index, stretch * share + (share - length) / 2..stretch * share + (share + length) / 2))
+        .map(|stretch| stretch * share + (share - length) / 2..stretch * share + (share + length) / 2)
         .collect()
 }
 

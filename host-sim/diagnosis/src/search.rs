@@ -5,7 +5,7 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use crate::confidence_set::{Assessed, Step, assess, compare};
 use crate::effects::Effect;
-use crate::hypothesis::{COLOUR_S, Entry, Hypothesis, Refitted, kept, noise_of, refit};
+use crate::hypothesis::{Entry, Hypothesis, Refitted, kept, noise_of, refit};
 use crate::likelihood::Noise;
 use crate::pipeline::LEVEL_OF_THE_SET;
 use crate::problem::Problem;
@@ -65,16 +65,14 @@ pub struct Rejected {
 }
 
 /// Noise to begin with.
-pub fn first_noise(problem: &Problem) -> Noise {
+pub fn first_noise(problem: &Problem) -> Vec<Noise> {
     let torque = problem.excitation.torque_rms.max(f64::MIN_POSITIVE.sqrt());
     let begin = Noise {
         sensor_sd: problem.least_sensor_sd,
-        // A tenth of the torque each sample, and a thirtieth with a memory: a search goes on from there.
+        // A tenth of the torque each sample: a search goes on from there.
         torque_density: (0.1 * torque).powi(2) * problem.excitation.period_s,
-        colour_sd: 0.03 * torque,
-        colour_s: COLOUR_S,
     };
-    noise_of(problem, &problem.nominal, &begin, 4.0)
+    noise_of(problem, &problem.nominal, &vec![begin; problem.recordings.len()], 4.0)
 }
 
 /// The nominal machine.
@@ -91,7 +89,7 @@ pub fn candidates(problem: &Problem, at: &Refitted, vocabulary: &[&'static Effec
 
 /// Log-likelihood that a free value must bring to rank as high without it (Schwarz 1978).
 fn price(problem: &Problem) -> f64 {
-    0.5 * (problem.fitted_rows().max(2) as f64).ln()
+    0.5 * (problem.residuals().max(2) as f64).ln()
 }
 
 fn freedom(refitted: &Refitted) -> f64 {
@@ -260,7 +258,7 @@ fn gain(problem: &Problem, with: &Step, without: &Step, entry: usize) -> f64 {
     if entry.effect.parameter(0).searched {
         // What changes samples and no motion shows in no window: the fall of the innovations' typical size instead.
         let rise = with.assessed.refitted.log_likelihood - without.assessed.refitted.log_likelihood;
-        return 1.0 - (-rise / problem.fitted_rows().max(1) as f64).exp();
+        return 1.0 - (-rise / problem.residuals().max(1) as f64).exp();
     }
     let span = (entry.effect.span)(&entry.values);
     span.and_then(|(recording, from_s, to_s)| {

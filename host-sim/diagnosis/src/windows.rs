@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use crate::hypothesis::{Refitted, driven, kept};
+use crate::hypothesis::{Refitted, kept};
 use crate::likelihood::Window;
 use crate::problem::Problem;
 
@@ -25,19 +25,13 @@ impl WindowFit {
     pub fn new(problem: &Problem, refitted: &Refitted) -> Option<Self> {
         let physics = refitted.hypothesis.physics(&problem.nominal);
         let path = kept(problem, &physics, &refitted.noise, problem.recordings.len())?;
-        let windows = path
-            .recordings
-            .par_iter()
-            .enumerate()
-            .map(|(index, kept)| {
-                let period_s = problem.recordings[index].period_s();
-                HORIZONS_S.map(|horizon_s| {
-                    let rows = ((horizon_s / period_s).round() as usize).max(LEAST_ROWS);
-                    let driven = driven(problem, index, &kept.acting);
-                    kept.prepared.windows(&kept.path, driven, &refitted.noise, rows)
-                })
+        let of = |index: usize| {
+            let period_s = problem.recordings[index].period_s();
+            HORIZONS_S.map(|horizon_s| {
+                path.windows(problem, index, ((horizon_s / period_s).round() as usize).max(LEAST_ROWS))
             })
-            .collect();
+        };
+        let windows = (0..problem.recordings.len()).into_par_iter().map(of).collect();
         Some(Self { windows })
     }
 

@@ -297,6 +297,11 @@ pub(crate) fn with_field(physics: &Physics, excitation: &Excitation) -> bool {
     physics.model.er.is_some() && excitation.field_peak > 0.0
 }
 
+/// A machine whose torque column is a command, with a drive between it and the rotor.
+pub(crate) fn commanded(physics: &Physics, excitation: &Excitation) -> bool {
+    !measured(physics, excitation)
+}
+
 /// A machine whose model has no drive between the torque column and the rotor: that column may be a measurement.
 pub(crate) fn measured(physics: &Physics, _: &Excitation) -> bool {
     physics.model.torque_delay_s == 0.0 && physics.model.er.is_none()

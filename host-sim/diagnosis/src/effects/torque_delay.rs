@@ -1,12 +1,13 @@
 //! The commanded torque acts after a delay.
 
-use super::{Effect, PLAIN, free};
+use super::{Effect, PLAIN, commanded, free};
 
 /// The entry of the vocabulary.
 pub static EFFECT: Effect = Effect {
     id: "torque_delay",
     sentence: "The torque acts later or earlier than the model says: communication, computation, or a sample of the current loop.",
     parameters: &[free(0.0, 0.1, 1e-3)],
+    applies: commanded,
     starts: |p, _| {
         let d = p.model.torque_delay_s;
         [0.0, d - 2e-3, d - 0.7e-3, d + 0.7e-3, d + 2e-3, d + 5e-3, d + 12e-3]

@@ -1,12 +1,13 @@
 //! First-order lag of the torque: tau dT/dt = T_cmd - T.
 
-use super::{Effect, PLAIN, free};
+use super::{Effect, PLAIN, commanded, free};
 
 /// The entry of the vocabulary.
 pub static EFFECT: Effect = Effect {
     id: "torque_lag",
     sentence: "The torque follows its command with a first-order lag: bandwidth of the current loop.",
     parameters: &[free(0.0, 0.2, 1e-3)],
+    applies: commanded,
     starts: |_, _| [0.5e-3, 1.5e-3, 4e-3, 10e-3].iter().map(|&v| vec![v]).collect(),
     put: |p, v| p.model.torque_lag_s = v[0],
     ..PLAIN

@@ -1,12 +1,13 @@
 //! The drive's torque is limited either way.
 
-use super::{Effect, PLAIN, Size, sized};
+use super::{Effect, PLAIN, Size, commanded, sized};
 
 /// The entry of the vocabulary.
 pub static EFFECT: Effect = Effect {
     id: "torque_saturation",
     sentence: "The drive cannot give the torque that is commanded: current limit, or voltage limit at speed.",
     parameters: &[sized(Size::TorquePeak, 0.2, 10.0, 0.1)],
+    applies: commanded,
     starts: |_, e| [0.95, 0.85, 0.7, 0.5, 0.3].iter().map(|&v| vec![v * e.torque_peak]).collect(),
     put: |p, v| p.model.torque_limit = Some(v[0]),
     neutral: |p| p.model.torque_limit.unwrap_or(f64::INFINITY),

@@ -3,7 +3,8 @@
 use rayon::prelude::*;
 
 use crate::likelihood::filter::{Driven, Innovations, Path, Prepared};
-use crate::likelihood::{Acting, Noise};
+use crate::likelihood::inverse::{Motion, Residual};
+use crate::likelihood::{Acting, Noise, Window};
 use crate::physics::Physics;
 use crate::problem::Problem;
 
@@ -27,21 +28,40 @@ fn blocks(problem: &Problem, recording: usize, innovations: &Innovations) -> Vec
     problem.blocks[recording].iter().map(|block| innovations.log_likelihood[block.clone()].iter().sum()).collect()
 }
 
-/// The log-likelihood of a machine under a noise; none for a machine the plant refuses or a pass that is not finite.
-pub fn evaluate(problem: &Problem, physics: &Physics, noise: &Noise) -> Option<Evaluation> {
-    let all: Option<Vec<(Innovations, Vec<f64>)>> = (0..problem.recordings.len())
-        .into_par_iter()
-        .map(|index| {
-            let acting = Acting::new(physics, index, &problem.recordings[index], &problem.grids[index])?;
-            let prepared = Prepared::new(physics, index);
-            problem.spend(problem.grids[index].substeps());
-            let innovations = prepared.run(driven(problem, index, &acting), noise);
-            let blocks = blocks(problem, index, &innovations);
-            blocks.iter().all(|block| block.is_finite()).then_some((innovations, blocks))
-        })
-        .collect();
+/// The log-likelihood of a machine under the noise of each recording; none for a machine the plant refuses or a pass that is
+/// not finite.
+pub fn evaluate(problem: &Problem, physics: &Physics, noise: &[Noise]) -> Option<Evaluation> {
+    let one = |index: usize| {
+        let (prepared, acting) = prepare(problem, physics, index)?;
+        let innovations = match problem.motions.get(index) {
+            Some(motion) => {
+                let residual = residual(problem, index, motion, &prepared, &acting);
+                prepared.whiten(motion, &problem.recordings[index], &residual, &noise[index])
+            }
+            None => {
+                problem.spend(problem.grids[index].substeps());
+                prepared.run(driven(problem, index, &acting), &noise[index])
+            }
+        };
+        let blocks = blocks(problem, index, &innovations);
+        blocks.iter().all(|block| block.is_finite()).then_some((innovations, blocks))
+    };
+    let all: Option<Vec<(Innovations, Vec<f64>)>> = (0..problem.recordings.len()).into_par_iter().map(one).collect();
     let (innovations, blocks) = all?.into_iter().unzip();
     Some(Evaluation { innovations, blocks })
+}
+
+fn prepare(problem: &Problem, physics: &Physics, index: usize) -> Option<(Prepared, Acting)> {
+    let acting = Acting::new(physics, index, &problem.recordings[index], &problem.grids[index])?;
+    Some((Prepared::new(physics, index, problem.step), acting))
+}
+
+/// What a look along a given motion costs of a filter's substep: measured, a row against four substeps.
+const OF_A_SUBSTEP: usize = 10;
+
+fn residual(problem: &Problem, index: usize, motion: &Motion, prepared: &Prepared, acting: &Acting) -> Residual {
+    problem.spend(problem.grids[index].substeps() / OF_A_SUBSTEP);
+    prepared.residual(motion, &problem.recordings[index], &problem.grids[index], acting)
 }
 
 pub(crate) fn driven<'a>(problem: &'a Problem, index: usize, acting: &'a Acting) -> Driven<'a> {
@@ -52,7 +72,7 @@ pub(crate) fn driven<'a>(problem: &'a Problem, index: usize, acting: &'a Acting)
 /// A pass over the recordings to fit that can be linearised along.
 pub(crate) struct Kept {
     pub(crate) physics: Physics,
-    pub(crate) noise: Noise,
+    pub(crate) noise: Vec<Noise>,
     pub(crate) recordings: Vec<KeptRecording>,
 }
 
@@ -60,22 +80,29 @@ pub(crate) struct KeptRecording {
     pub(crate) prepared: Prepared,
     pub(crate) acting: Acting,
     pub(crate) innovations: Innovations,
-    pub(crate) path: Path,
+    /// None where the motion is given.
+    path: Option<Path>,
 }
 
 /// Runs over the first `many` recordings and keeps the paths.
-pub(crate) fn kept(problem: &Problem, physics: &Physics, noise: &Noise, many: usize) -> Option<Kept> {
-    let recordings: Option<Vec<KeptRecording>> = (0..many)
-        .into_par_iter()
-        .map(|index| {
-            let acting = Acting::new(physics, index, &problem.recordings[index], &problem.grids[index])?;
-            let prepared = Prepared::new(physics, index);
-            problem.spend(problem.grids[index].substeps());
-            let (innovations, path) = prepared.run_kept(driven(problem, index, &acting), noise);
-            Some(KeptRecording { prepared, acting, innovations, path })
-        })
-        .collect();
-    Some(Kept { physics: physics.clone(), noise: *noise, recordings: recordings? })
+pub(crate) fn kept(problem: &Problem, physics: &Physics, noise: &[Noise], many: usize) -> Option<Kept> {
+    let one = |index: usize| {
+        let (prepared, acting) = prepare(problem, physics, index)?;
+        let (innovations, path) = match problem.motions.get(index) {
+            Some(motion) => {
+                let residual = residual(problem, index, motion, &prepared, &acting);
+                (prepared.whiten(motion, &problem.recordings[index], &residual, &noise[index]), None)
+            }
+            None => {
+                problem.spend(problem.grids[index].substeps());
+                let (innovations, path) = prepared.run_kept(driven(problem, index, &acting), &noise[index]);
+                (innovations, Some(path))
+            }
+        };
+        Some(KeptRecording { prepared, acting, innovations, path })
+    };
+    let recordings: Option<Vec<KeptRecording>> = (0..many).into_par_iter().map(one).collect();
+    Some(Kept { physics: physics.clone(), noise: noise.to_vec(), recordings: recordings? })
 }
 
 impl Kept {
@@ -93,13 +120,45 @@ impl Kept {
             } else {
                 Some(Acting::new(other, index, &problem.recordings[index], &problem.grids[index])?)
             };
-            let prepared = Prepared::new(other, index);
-            let driven = driven(problem, index, acting.as_ref().unwrap_or(&kept.acting));
-            problem.spend(problem.grids[index].substeps());
-            let column = prepared.response(&kept.prepared, &kept.path, driven);
+            let acting = acting.as_ref().unwrap_or(&kept.acting);
+            let prepared = Prepared::new(other, index, problem.step);
+            let column = match (&kept.path, problem.motions.get(index)) {
+                (None, Some(motion)) => {
+                    let residual = residual(problem, index, motion, &prepared, acting);
+                    let recorded = &problem.recordings[index];
+                    prepared.difference(&kept.innovations, motion, recorded, &residual, &self.noise[index])
+                }
+                (path, _) => {
+                    problem.spend(problem.grids[index].substeps());
+                    prepared.response(&kept.prepared, path.as_ref()?, driven(problem, index, acting))
+                }
+            };
             column.iter().all(|value| value.is_finite()).then_some(column)
         };
         self.recordings.iter().enumerate().map(one).collect()
+    }
+
+    /// Windows of `horizon` rows of one recording, each simulated from the state that was estimated at its start.
+    pub(crate) fn windows(&self, problem: &Problem, index: usize, horizon: usize) -> Vec<Window> {
+        let kept = &self.recordings[index];
+        let driven = driven(problem, index, &kept.acting);
+        match (&kept.path, problem.motions.get(index)) {
+            (Some(path), _) => kept.prepared.windows(path, driven, &self.noise[index], horizon),
+            (None, Some(motion)) => kept.prepared.windows_along(motion, driven, &self.noise[index], horizon),
+            (None, None) => Vec::new(),
+        }
+    }
+
+    /// Sensitivity of half the squared whitened innovations of one recording to a torque in each substep, with the sign of the
+    /// torque that is missing.
+    pub(crate) fn missing_torque(&self, problem: &Problem, index: usize) -> Vec<f64> {
+        let kept = &self.recordings[index];
+        let driven = driven(problem, index, &kept.acting);
+        match (&kept.path, problem.motions.get(index)) {
+            (Some(path), _) => kept.prepared.missing_torque(path, &kept.innovations, driven.grid),
+            (None, Some(motion)) => kept.prepared.missing_along(motion, driven, &kept.innovations, &self.noise[index]),
+            (None, None) => vec![0.0; driven.grid.substeps()],
+        }
     }
 }
 
@@ -119,27 +178,26 @@ fn same_actuation(one: &Physics, other: &Physics) -> bool {
         && other.model.validate().is_ok()
 }
 
-/// Memory of the coloured torque noise, s. What is slower than a few of these is motion the model must explain.
-pub(crate) const COLOUR_S: f64 = 0.02;
+/// The noise of each recording under which a machine is most likely, searched from `from` in steps of 2^`octaves` downwards.
+pub fn noise_of(problem: &Problem, physics: &Physics, from: &[Noise], octaves: f64) -> Vec<Noise> {
+    let one = |(index, from): (usize, &Noise)| noise_of_one(problem, physics, index, from, octaves).unwrap_or(*from);
+    from.par_iter().enumerate().map(one).collect()
+}
 
-/// The noise under which a machine is most likely on the recordings to fit, searched from `from` in steps of ln 2^`octaves`
-/// downwards.
-pub fn noise_of(problem: &Problem, physics: &Physics, from: &Noise, octaves: f64) -> Noise {
-    let prepared: Option<Vec<(Acting, Prepared)>> = (0..problem.fitted)
-        .map(|index| {
-            let acting = Acting::new(physics, index, &problem.recordings[index], &problem.grids[index])?;
-            Some((acting, Prepared::new(physics, index)))
-        })
-        .collect();
-    let Some(prepared) = prepared else { return *from };
+fn noise_of_one(problem: &Problem, physics: &Physics, index: usize, from: &Noise, octaves: f64) -> Option<Noise> {
+    let (prepared, acting) = prepare(problem, physics, index)?;
+    if let Some(motion) = problem.motions.get(index) {
+        let residual = residual(problem, index, motion, &prepared, &acting);
+        return Some(prepared.likeliest_noise(motion, &problem.recordings[index], &residual));
+    }
+    let substeps = problem.grids[index].substeps() / problem.recordings[index].rows().max(1);
     let score = |noise: &Noise| {
-        let one = |(index, rows): &(usize, std::ops::Range<usize>)| -> f64 {
-            let (acting, prepared) = &prepared[*index];
-            let driven = Driven { rows: rows.clone(), ..driven(problem, *index, acting) };
-            problem.spend(rows.len() * problem.grids[*index].substeps() / problem.recordings[*index].rows().max(1));
+        let of = |rows: &std::ops::Range<usize>| -> f64 {
+            let driven = Driven { rows: rows.clone(), ..driven(problem, index, &acting) };
+            problem.spend(rows.len() * substeps);
             prepared.run(driven, noise).log_likelihood.iter().sum()
         };
-        let sum: f64 = problem.excerpt.par_iter().map(one).collect::<Vec<f64>>().iter().sum();
+        let sum: f64 = problem.excerpts[index].iter().map(of).sum();
         if sum.is_finite() { sum } else { f64::NEG_INFINITY }
     };
     let mut best = *from;
@@ -147,7 +205,7 @@ pub fn noise_of(problem: &Problem, physics: &Physics, from: &Noise, octaves: f64
     let mut step = octaves;
     while step > 0.1 {
         let before = top;
-        for which in 0..3 {
+        for which in [Which::Torque, Which::Sensor] {
             // A direction that helps is followed in steps that double.
             for sign in [1.0, -1.0] {
                 let mut along = sign * step;
@@ -170,15 +228,20 @@ pub fn noise_of(problem: &Problem, physics: &Physics, from: &Noise, octaves: f64
             step *= 0.5;
         }
     }
-    best
+    Some(best)
 }
 
-/// With the standard deviation at `which` larger by `octaves` powers of two.
-fn changed(noise: &Noise, which: usize, octaves: f64, least_sensor_sd: f64) -> Noise {
+#[derive(Clone, Copy)]
+enum Which {
+    Torque,
+    Sensor,
+}
+
+/// With a standard deviation larger by `octaves` powers of two.
+fn changed(noise: &Noise, which: Which, octaves: f64, least_sensor_sd: f64) -> Noise {
     let factor = octaves.exp2();
     match which {
-        0 => Noise { torque_density: noise.torque_density * factor * factor, ..*noise },
-        1 => Noise { sensor_sd: (noise.sensor_sd * factor).max(least_sensor_sd), ..*noise },
-        _ => Noise { colour_sd: noise.colour_sd * factor, ..*noise },
+        Which::Torque => Noise { torque_density: noise.torque_density * factor * factor, ..*noise },
+        Which::Sensor => Noise { sensor_sd: (noise.sensor_sd * factor).max(least_sensor_sd), ..*noise },
     }
 }

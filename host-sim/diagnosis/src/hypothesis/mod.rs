@@ -6,8 +6,8 @@ mod refit;
 use crate::effects::Effect;
 use crate::physics::Physics;
 
-pub(crate) use evaluate::{COLOUR_S, Kept, driven, kept};
 pub use evaluate::{Evaluation, evaluate, noise_of};
+pub(crate) use evaluate::{Kept, kept};
 pub use refit::{Refitted, refit};
 pub(crate) use refit::{columns, ranges};
 

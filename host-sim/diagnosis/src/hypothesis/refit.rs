@@ -14,20 +14,35 @@ use crate::problem::Problem;
 pub struct Refitted {
     /// With the fitted values.
     pub hypothesis: Hypothesis,
-    /// The noise that goes with it.
-    pub noise: Noise,
+    /// The noise of each recording that goes with it.
+    pub noise: Vec<Noise>,
     /// All recordings under both.
     pub evaluation: Evaluation,
     /// Log-likelihood of the recordings to fit.
     pub log_likelihood: f64,
 }
 
+impl Refitted {
+    /// For each recording the noise under which it is likelier: estimated on an excerpt, it must hold on the whole.
+    fn take_likelier_noise(&mut self, problem: &Problem, mut other: Self) {
+        for index in 0..self.noise.len() {
+            let sum = |of: &Self| of.evaluation.blocks[index].iter().sum::<f64>();
+            if sum(&other) > sum(self) {
+                self.noise[index] = other.noise[index];
+                std::mem::swap(&mut self.evaluation.blocks[index], &mut other.evaluation.blocks[index]);
+                std::mem::swap(&mut self.evaluation.innovations[index], &mut other.evaluation.innovations[index]);
+            }
+        }
+        self.log_likelihood = self.evaluation.fitted(problem);
+    }
+}
+
 /// Log-likelihood below which a step has found nothing more: a hundredth of what any test asks for.
 const SETTLED: f64 = 0.05;
 
 /// Fits the free values from where they are, in at most `rounds` steps.
-pub fn refit(problem: &Problem, start: &Hypothesis, noise: &Noise, rounds: usize) -> Option<Refitted> {
-    let mut best = at(problem, start.clone(), *noise)?;
+pub fn refit(problem: &Problem, start: &Hypothesis, noise: &[Noise], rounds: usize) -> Option<Refitted> {
+    let mut best = at(problem, start.clone(), noise.to_vec())?;
     let mut damping = 1e-3;
     for round in 0..rounds {
         let before = best.log_likelihood;
@@ -43,10 +58,7 @@ pub fn refit(problem: &Problem, start: &Hypothesis, noise: &Noise, rounds: usize
         let noise = noise_of(problem, &best.hypothesis.physics(&problem.nominal), &best.noise, octaves);
         if noise != best.noise {
             let other = at(problem, best.hypothesis.clone(), noise)?;
-            // Estimated on an excerpt, it must hold on the whole.
-            if other.log_likelihood > best.log_likelihood {
-                best = other;
-            }
+            best.take_likelier_noise(problem, other);
         }
         if gained < SETTLED && best.log_likelihood - before < 10.0 * SETTLED {
             break;
@@ -67,7 +79,7 @@ fn descended(
 ) -> Refitted {
     for _ in 0..DAMPED {
         let Some(tried) = stepped(problem, &from.hypothesis, information, gradient, *damping) else { return from };
-        if let Some(found) = at(problem, tried, from.noise)
+        if let Some(found) = at(problem, tried, from.noise.clone())
             && found.log_likelihood > from.log_likelihood
         {
             *damping = (*damping * 0.1).max(1e-9);
@@ -93,7 +105,7 @@ fn searched(problem: &Problem, mut best: Refitted) -> Refitted {
                 let parameter = tried.entries[entry].effect.parameter(index);
                 let value = &mut tried.entries[entry].values[index];
                 *value = (*value * factor).max(parameter.low).min(parameter.high);
-                if let Some(found) = at(problem, tried, best.noise)
+                if let Some(found) = at(problem, tried, best.noise.clone())
                     && found.log_likelihood > best.log_likelihood
                 {
                     best = found;
@@ -108,7 +120,7 @@ fn searched(problem: &Problem, mut best: Refitted) -> Refitted {
     best
 }
 
-fn at(problem: &Problem, hypothesis: Hypothesis, noise: Noise) -> Option<Refitted> {
+fn at(problem: &Problem, hypothesis: Hypothesis, noise: Vec<Noise>) -> Option<Refitted> {
     let evaluation = evaluate(problem, &hypothesis.physics(&problem.nominal), &noise)?;
     let log_likelihood = evaluation.fitted(problem);
     Some(Refitted { hypothesis, noise, evaluation, log_likelihood })

@@ -5,7 +5,7 @@
 
 use super::Noise;
 use super::acting::Grid;
-use super::belief::{BASE, COLOURED, POSITION, SPEED, Substep};
+use super::belief::{BASE, Linear, POSITION, ROUNDING, SPEED, Substep};
 use super::filter::{Driven, HUBER, Innovations, MOST_STATES, Path, Prepared, Stored, StoredStep};
 
 impl Prepared {
@@ -65,21 +65,15 @@ impl Prepared {
             if stored.rows[start..=end].iter().all(|row| row.counted) {
                 let mut x = stored.steps[grid.first[start] as usize].from;
                 let mut p = stored.rows[start].covariance;
-                // A force that only the estimate of the noise knows is no part of the model.
-                x[COLOURED] = 0.0;
-                for i in 0..N {
-                    (p[COLOURED][i], p[i][COLOURED]) = (0.0, 0.0);
-                }
-                p[COLOURED][COLOURED] = noise.colour_sd * noise.colour_sd;
                 let mut window = Window { start, rows: horizon, squares: 0.0, expected: 0.0 };
                 for row in start..end {
-                    let step_noise = noise.over(grid.dt_s[row]);
                     for index in grid.first[row] as usize..grid.first[row + 1] as usize {
                         x = self.laws.mean(&x, &Substep::of(acting, index, grid.dt_s[row]), CERTAIN, CERTAIN);
-                        self.laws.widen(&mut p, &stored.steps[index].linear, grid.dt_s[row], &step_noise);
+                        self.laws.widen(&mut p, &stored.steps[index].linear, grid.dt_s[row], noise);
                     }
                     window.squares += (recorded.position[row + 1] - self.seen(x[POSITION]).0).powi(2);
-                    window.expected += p[POSITION][POSITION] + noise.sensor_sd * noise.sensor_sd;
+                    window.expected +=
+                        p[POSITION][POSITION] + noise.sensor_sd * noise.sensor_sd + self.rounding.variance;
                 }
                 windows.push(window);
             }
@@ -113,7 +107,7 @@ impl Prepared {
         let mut column = Vec::with_capacity(recorded.rows());
         let bent = self.eccentricity != base.eccentricity;
         for (row, kept) in stored.rows.iter().enumerate() {
-            let mut seen = kept.slope * ds[POSITION];
+            let mut seen = kept.slope * ds[POSITION] + ds[ROUNDING];
             if bent {
                 seen += self.seen(kept.position).0 - base.seen(kept.position).0;
             }
@@ -129,7 +123,7 @@ impl Prepared {
                 let next = advance(step, &Substep::of(acting, index, grid.dt_s[row]));
                 let mut moved = [0.0; N];
                 for i in 0..N {
-                    let mut sum = if i == COLOURED { 0.0 } else { next[i] - step.to[i] };
+                    let mut sum = if i == ROUNDING { 0.0 } else { next[i] - step.to[i] };
                     for j in 0..N {
                         sum += step.linear.jacobian[i][j] * ds[j];
                     }
@@ -148,9 +142,8 @@ fn adjoint<const N: usize>(stored: &Stored<N>, innovations: &Innovations, grid: 
     for (row, kept) in stored.rows.iter().enumerate().rev() {
         if row + 1 < stored.rows.len() {
             for index in (grid.first[row] as usize..grid.first[row + 1] as usize).rev() {
-                let f = &stored.steps[index].linear.jacobian;
-                // A torque acts as the coloured noise does.
-                missing[index] = (0..N).filter(|&i| i != COLOURED).map(|i| a[i] * f[i][COLOURED]).sum();
+                let Linear { jacobian: f, push, .. } = &stored.steps[index].linear;
+                missing[index] = (0..N).map(|i| a[i] * push[i]).sum();
                 let mut before = [0.0; N];
                 for (j, before) in before.iter_mut().enumerate() {
                     *before = (0..N).map(|i| a[i] * f[i][j]).sum();
@@ -161,6 +154,7 @@ fn adjoint<const N: usize>(stored: &Stored<N>, innovations: &Innovations, grid: 
         let pulled: f64 = (0..N).map(|i| a[i] * kept.gain[i]).sum();
         let own = if kept.counted { innovations.whitened[row].clamp(-HUBER, HUBER) * kept.per_sd } else { 0.0 };
         a[POSITION] += kept.slope * (own - pulled);
+        a[ROUNDING] += own - pulled;
     }
     missing
 }
@@ -179,4 +173,4 @@ pub(crate) struct Window {
 }
 
 /// Standard deviation of a state that is simulated and not estimated: none, but for the closed forms' division.
-const CERTAIN: f64 = 1e-12;
+pub(super) const CERTAIN: f64 = 1e-12;

@@ -1,6 +1,6 @@
 //! One substep of the belief: an assumed-density (Gaussian) Kalman prediction of the rotor and what hangs on it.
 //!
-//! State: position, speed, coloured torque noise, then what the machine has of twist and twist rate of a shaft, bristle torque
+//! State: position, speed, rounding of the sensor, then what the machine has of twist and twist rate of a shaft, bristle torque
 //! of dry friction, torque of the fluid's spring. Torques are averages over the substep; position torques act in its middle
 //! (Verlet); linear drag is exact; dry friction is the proximal step of `gaussian`.
 
@@ -12,27 +12,28 @@ use plant::{FluidResponse, Model};
 
 use super::acting::Acting;
 use super::gaussian::{Thresholded, soft_threshold};
+use super::noise::{Noise, Rounding};
 
 /// Places of the states that every machine has.
 pub(crate) const POSITION: usize = 0;
 pub(crate) const SPEED: usize = 1;
-pub(crate) const COLOURED: usize = 2;
+pub(crate) const ROUNDING: usize = 2;
 /// Number of them.
 pub(crate) const BASE: usize = 3;
 
 /// The laws of one model, ready to propagate a belief.
 #[derive(Debug, Clone)]
 pub(crate) struct Laws {
-    friction: Friction,
-    position: PositionTorque,
-    shaft: Option<ShaftLaw>,
+    pub(super) friction: Friction,
+    pub(super) position: PositionTorque,
+    pub(super) shaft: Option<ShaftLaw>,
     /// Stiffness and place of the fluid's spring.
     spring: Option<(f64, usize)>,
-    bristle: Option<usize>,
+    pub(super) bristle: Option<usize>,
     twist: Option<usize>,
     /// Limit of the fluid's viscous torque, N m.
     viscous_limit: f64,
-    inertia: f64,
+    pub(super) inertia: f64,
     /// Number of states.
     pub(crate) states: usize,
 }
@@ -134,7 +135,7 @@ impl Laws {
                 viscous += step.viscosity;
             }
         }
-        let mut torque = step.torque + x[COLOURED] + self.position.torque(middle);
+        let mut torque = step.torque + self.position.torque(middle);
         let mut shaft = (0.0, 0.0);
         if let (Some(at), Some(law)) = (self.twist, &self.shaft) {
             let bent = soft_threshold(x[at] + 0.5 * dt_s * x[at + 1], twist_sd, law.half_gap, law.half_gap);
@@ -211,21 +212,22 @@ impl Laws {
         }
     }
 
-    /// Moves mean and covariance through a substep with the torque noise of variance `torque_variance` (N m)^2 and the
-    /// coloured noise that keeps `colour_kept` of itself and gains `colour_variance`; returns the Jacobian and the standard
-    /// deviations of free speed and twist, which a linearised pass needs.
+    /// Moves mean and covariance through a substep with torque noise and the rounding's change over the travel; returns what a
+    /// linearised pass needs.
     #[inline]
     pub(crate) fn predict<const N: usize>(
         &self,
         x: &mut [f64; N],
         p: &mut [[f64; N]; N],
         step: &Substep,
-        noise: &StepNoise,
+        noise: &Noise,
+        rounding: &Rounding,
     ) -> Linear<N> {
+        let torque_variance = noise.torque_variance(step.dt_s);
         let twist_sd = self.twist.map_or(0.0, |at| p[at][at].max(0.0).sqrt());
         let free = self.free(x, step, twist_sd);
         let row = self.row(step, &free);
-        let mut variance = free.gain * free.gain * noise.torque_variance;
+        let mut variance = free.gain * free.gain * torque_variance;
         for i in 0..N {
             for j in 0..N {
                 variance += row[i] * p[i][j] * row[j];
@@ -233,30 +235,22 @@ impl Laws {
         }
         let speed_sd = variance.max(1e-300).sqrt();
         let speed = soft_threshold(free.speed, speed_sd, free.up, free.down);
-        let mut jacobian = self.jacobian(x, step, &free, &row, &speed);
-        jacobian[COLOURED][COLOURED] = noise.colour_kept;
-        *x = self.moved(x, step, &free, speed.mean);
-        x[COLOURED] *= noise.colour_kept;
+        let (mut jacobian, push) = self.jacobian(x, step, &free, &row, &speed);
+        let next = self.moved(x, step, &free, speed.mean);
+        let kept = rounding.kept(next[POSITION] - x[POSITION]);
+        jacobian[ROUNDING][ROUNDING] = kept;
+        *x = next;
+        x[ROUNDING] *= kept;
         spread(p, &jacobian);
-        let white = (speed.slope * free.gain).powi(2) * noise.torque_variance + speed.rest;
-        self.stir(p, step.dt_s, white);
-        p[COLOURED][COLOURED] += noise.colour_variance;
-        Linear { jacobian, speed_sd, twist_sd }
+        self.stir(p, step.dt_s, push[SPEED] * push[SPEED] * torque_variance + speed.rest);
+        p[ROUNDING][ROUNDING] += (1.0 - kept * kept) * rounding.variance;
+        Linear { jacobian, push, speed_sd, twist_sd }
     }
 
     /// Widens a covariance over a substep along a linearised path.
-    pub(crate) fn widen<const N: usize>(
-        &self,
-        p: &mut [[f64; N]; N],
-        linear: &Linear<N>,
-        dt_s: f64,
-        noise: &StepNoise,
-    ) {
+    pub(crate) fn widen<const N: usize>(&self, p: &mut [[f64; N]; N], linear: &Linear<N>, dt_s: f64, noise: &Noise) {
         spread(p, &linear.jacobian);
-        // Speed that a torque of one gives, where the rotor slides.
-        let gain = linear.jacobian[SPEED][COLOURED];
-        self.stir(p, dt_s, gain * gain * noise.torque_variance);
-        p[COLOURED][COLOURED] += noise.colour_variance;
+        self.stir(p, dt_s, linear.push[SPEED] * linear.push[SPEED] * noise.torque_variance(dt_s));
     }
 
     /// d free speed / d state.
@@ -266,7 +260,6 @@ impl Laws {
         let half_s = 0.5 * step.dt_s;
         row[POSITION] = free.gain * free.slope;
         row[SPEED] = free.kept + free.gain * free.slope * half_s;
-        row[COLOURED] = free.gain;
         if let (Some(at), Some(law)) = (self.twist, &self.shaft) {
             row[at] = free.gain * law.stiffness * free.shaft.1;
             row[at + 1] = free.gain * free.shaft.1 * (law.stiffness * half_s + law.damping);
@@ -277,6 +270,8 @@ impl Laws {
         row
     }
 
+    /// d state at the end / d state at the start, and / d torque.
+    // Over 40 lines: one block for each state.
     fn jacobian<const N: usize>(
         &self,
         x: &[f64; N],
@@ -284,7 +279,7 @@ impl Laws {
         free: &Free,
         row: &[f64; N],
         speed: &Thresholded,
-    ) -> [[f64; N]; N] {
+    ) -> ([[f64; N]; N], [f64; N]) {
         let half_s = 0.5 * step.dt_s;
         let mut f = [[0.0; N]; N];
         for (i, line) in f.iter_mut().enumerate() {
@@ -295,6 +290,9 @@ impl Laws {
             f[POSITION][j] += half_s * f[SPEED][j];
         }
         f[POSITION][SPEED] += half_s;
+        let mut push = [0.0; N];
+        push[SPEED] = speed.slope * free.gain;
+        push[POSITION] = half_s * push[SPEED];
         if let (Some(at), Some(law)) = (self.twist, &self.shaft) {
             let pull = step.dt_s * law.per_load_inertia * free.shaft.1;
             for j in 0..N {
@@ -307,6 +305,7 @@ impl Laws {
                 f[at][j] += half_s * f[at + 1][j];
             }
             f[at][at + 1] += half_s;
+            (push[at], push[at + 1]) = (-push[POSITION], -push[SPEED]);
         }
         let travel = half_s * (x[SPEED] + speed.mean);
         let mut follows = |at: usize, kept: f64, per_travel: f64| {
@@ -314,6 +313,7 @@ impl Laws {
                 let moved = f[POSITION][j] - f64::from(j == POSITION);
                 f[at][j] = per_travel * moved + if j == at { kept } else { 0.0 };
             }
+            push[at] = per_travel * push[POSITION];
         };
         if let (Some(at), Some(stiffness)) = (self.bristle, self.friction.stiffness()) {
             let sign = travel.signum();
@@ -325,7 +325,7 @@ impl Laws {
             let inside = f64::from((x[at] + stiffness * travel).abs() < step.level);
             follows(at, inside, inside * stiffness);
         }
-        f
+        (f, push)
     }
 
     /// Adds a speed noise of variance `white` with what it moves within the substep.
@@ -344,18 +344,12 @@ impl Laws {
     }
 }
 
-/// Torque noise of one substep.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct StepNoise {
-    pub(crate) torque_variance: f64,
-    pub(crate) colour_kept: f64,
-    pub(crate) colour_variance: f64,
-}
-
 /// What a linearised pass needs of a substep.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Linear<const N: usize> {
     pub(crate) jacobian: [[f64; N]; N],
+    /// Response of the state to a torque of one.
+    pub(crate) push: [f64; N],
     pub(crate) speed_sd: f64,
     pub(crate) twist_sd: f64,
 }

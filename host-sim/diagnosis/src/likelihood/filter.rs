@@ -6,8 +6,8 @@
 use std::ops::Range;
 
 use super::acting::{Acting, Grid};
-use super::belief::{BASE, COLOURED, Laws, Linear, POSITION, SPEED, Substep};
-use super::noise::Noise;
+use super::belief::{BASE, Laws, Linear, POSITION, ROUNDING, SPEED, Substep};
+use super::noise::{Noise, Rounding};
 use crate::physics::Physics;
 use crate::recorded::Recorded;
 
@@ -15,12 +15,12 @@ use crate::recorded::Recorded;
 /// specification's figure; 6e-5 of normal innovations lie beyond.
 pub(crate) const HUBER: f64 = 4.0;
 
-/// Largest number of states: the three of every machine, shaft, bristle, spring.
+/// Largest number of states: the three of every recording, shaft, bristle, spring.
 pub(super) const MOST_STATES: usize = BASE + 4;
 
 /// Minus twice the log-likelihood of a whitened innovation, but for its variance: squares, straight beyond the Huber limit.
 #[inline]
-fn loss(whitened: f64) -> f64 {
+pub(super) fn loss(whitened: f64) -> f64 {
     let size = whitened.abs();
     if size <= HUBER { size * size } else { HUBER * (2.0 * size - HUBER) }
 }
@@ -38,8 +38,8 @@ pub struct Innovations {
     pub position: Vec<f64>,
     /// Estimated speed behind the row's sample, rad/s (m/s).
     pub speed: Vec<f64>,
-    /// Estimated coloured torque, N m (N).
-    pub coloured: Vec<f64>,
+    /// Torque that was missing before this row, as its sample sees it, N m (N).
+    pub left_torque: Vec<f64>,
     /// Whether the row counts.
     pub counted: Vec<bool>,
 }
@@ -92,12 +92,21 @@ pub(crate) struct Prepared {
     pub(super) laws: Laws,
     pub(super) eccentricity: Vec<plant::effects::Harmonic>,
     glitch: Option<(f64, f64)>,
+    pub(super) rounding: Rounding,
+    pub(super) torque_gain: f64,
 }
 
 impl Prepared {
-    pub(crate) fn new(physics: &Physics, recording: usize) -> Self {
+    /// For one recording of a machine whose sensor has steps of that size, rad (m); 0 for a continuous one.
+    pub(crate) fn new(physics: &Physics, recording: usize, step: f64) -> Self {
         let model = physics.model_of(recording);
-        Self { laws: Laws::new(&model), eccentricity: model.sensor.eccentricity, glitch: physics.glitch }
+        Self {
+            laws: Laws::new(&model),
+            eccentricity: model.sensor.eccentricity,
+            glitch: physics.glitch,
+            rounding: Rounding::new(step),
+            torque_gain: model.torque_gain,
+        }
     }
 
     /// Log-likelihood of a whitened innovation, and how much it pulls: of a wrong sample, nothing. Without wrong samples in
@@ -167,7 +176,7 @@ impl Prepared {
             log_likelihood: Vec::with_capacity(rows),
             position: Vec::with_capacity(rows),
             speed: Vec::with_capacity(rows),
-            coloured: Vec::with_capacity(rows),
+            left_torque: Vec::with_capacity(rows),
             counted: Vec::with_capacity(rows),
         };
         let start = Start::of(recorded, &range);
@@ -183,14 +192,13 @@ impl Prepared {
                 p[POSITION][POSITION] += (0.5 * speed * lost_s).powi(2);
             }
             let (seen, slope) = self.seen(x[POSITION]);
-            let innovation = recorded.position[row] - seen;
-            let sensor = noise.sensor_sd * noise.sensor_sd;
-            let mut variance = slope * slope * p[POSITION][POSITION] + sensor;
+            let innovation = recorded.position[row] - seen - x[ROUNDING];
+            let mut variance = seen_variance(&p, slope, noise);
             if lost.after(innovation, variance) {
                 let since_s = recorded.t_s[row] - recorded.t_s[row - LOST_ROWS.min(row)];
                 p[POSITION][POSITION] += innovation * innovation;
                 p[SPEED][SPEED] += (innovation / since_s.max(f64::MIN_POSITIVE)).powi(2);
-                variance = slope * slope * p[POSITION][POSITION] + sensor;
+                variance = seen_variance(&p, slope, noise);
             }
             let per_sd = variance.sqrt().recip();
             let whitened = innovation * per_sd;
@@ -201,21 +209,21 @@ impl Prepared {
             found.counted.push(counted);
             let (log_likelihood, pull) = self.judged(whitened, per_sd);
             found.log_likelihood.push(if counted { log_likelihood } else { 0.0 });
-            let mut gain = [0.0; N];
-            for (i, gain) in gain.iter_mut().enumerate() {
-                *gain = p[i][POSITION] * slope / variance;
+            let mut line = [0.0; N];
+            for (i, line) in line.iter_mut().enumerate() {
+                *line = p[i][POSITION] * slope + p[i][ROUNDING];
             }
+            let gain = line.map(|covariance| covariance / variance);
             for i in 0..N {
                 x[i] += gain[i] * innovation * pull;
-            }
-            let line = p[POSITION];
-            for i in 0..N {
                 for j in 0..N {
-                    p[i][j] -= gain[i] * slope * line[j];
+                    p[i][j] -= gain[i] * line[j];
                 }
             }
             found.speed.push(x[SPEED]);
-            found.coloured.push(x[COLOURED]);
+            let since_s = recorded.t_s[row] - recorded.t_s[row.saturating_sub(1)];
+            let change = gain[SPEED] * innovation * pull / self.laws.per_inertia();
+            found.left_torque.push(if since_s > 0.0 { change / since_s } else { 0.0 });
             if let Some(stored) = keep.as_deref_mut() {
                 let gain = if pull < 0.5 { [0.0; N] } else { gain };
                 stored.rows.push(StoredRow {
@@ -230,11 +238,10 @@ impl Prepared {
             if row + 1 == range.end {
                 break;
             }
-            let step_noise = noise.over(grid.dt_s[row]);
             for index in grid.first[row] as usize..grid.first[row + 1] as usize {
                 let step = Substep::of(acting, index, grid.dt_s[row]);
                 let from = x;
-                let linear = self.laws.predict(&mut x, &mut p, &step, &step_noise);
+                let linear = self.laws.predict(&mut x, &mut p, &step, noise, &self.rounding);
                 if let Some(stored) = keep.as_deref_mut() {
                     stored.steps.push(StoredStep { from, to: x, linear });
                 }
@@ -246,13 +253,20 @@ impl Prepared {
     fn begin<const N: usize>(&self, start: &Start, noise: &Noise) -> ([f64; N], [[f64; N]; N]) {
         let (mut x, mut p) = ([0.0; N], [[0.0; N]; N]);
         (x[POSITION], x[SPEED]) = (start.position, start.speed);
-        let spread = self.laws.spread(start.position_sd.max(noise.sensor_sd), start.speed_sd, start.torque_rms);
+        let position_sd = start.position_sd.max((noise.sensor_sd * noise.sensor_sd + self.rounding.variance).sqrt());
+        let spread = self.laws.spread(position_sd, start.speed_sd, start.torque_rms);
         for (i, sd) in spread.iter().enumerate() {
             p[i][i] = sd * sd;
         }
-        p[COLOURED][COLOURED] = noise.colour_sd * noise.colour_sd;
+        p[ROUNDING][ROUNDING] = self.rounding.variance;
         (x, p)
     }
+}
+
+/// Variance of a sample before it is taken.
+fn seen_variance<const N: usize>(p: &[[f64; N]; N], slope: f64, noise: &Noise) -> f64 {
+    let of_position = slope * (slope * p[POSITION][POSITION] + 2.0 * p[POSITION][ROUNDING]);
+    of_position + p[ROUNDING][ROUNDING] + noise.sensor_sd * noise.sensor_sd
 }
 
 /// Rows in a row beyond the Huber limit on one side after which the belief, and not the samples, is wrong: among normal

@@ -5,9 +5,11 @@ mod along;
 mod belief;
 pub(crate) mod filter;
 mod gaussian;
+pub(crate) mod inverse;
 mod noise;
 
 pub use acting::{Acting, Grid};
 pub(crate) use along::Window;
 pub use filter::Innovations;
 pub use noise::Noise;
+pub(crate) use noise::Rounding;

@@ -1,28 +1,52 @@
 //! The noise that the likelihood whitens with.
 
-use super::belief::StepNoise;
-
-/// Sensor noise, and torque noise of two colours.
+/// Sensor and torque noise of one recording.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Noise {
-    /// Standard deviation of a position sample, rad (m).
+    /// Standard deviation of a position sample beside its rounding, rad (m).
     pub sensor_sd: f64,
-    /// Spectral density of the white torque noise, (N m)^2 s.
+    /// Spectral density of the torque noise, (N m)^2 s.
     pub torque_density: f64,
-    /// Standard deviation of the torque noise that has a memory, N m (N).
-    pub colour_sd: f64,
-    /// That memory, s.
-    pub colour_s: f64,
 }
 
 impl Noise {
-    /// Over one substep.
-    pub(crate) fn over(&self, dt_s: f64) -> StepNoise {
-        let kept = (-dt_s / self.colour_s).exp();
-        StepNoise {
-            torque_variance: self.torque_density / dt_s,
-            colour_kept: kept,
-            colour_variance: self.colour_sd * self.colour_sd * (1.0 - kept * kept),
+    /// Variance of the mean torque noise of a substep, (N m)^2.
+    pub(crate) fn torque_variance(&self, dt_s: f64) -> f64 {
+        self.torque_density / dt_s
+    }
+}
+
+/// The rounding of a sensor: a function of position, so constant at rest and white where the rotor passes a step a sample.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(crate) struct Rounding {
+    /// Variance of the part that the position keeps, rad^2 (m^2).
+    pub(crate) variance: f64,
+    /// One over the travel in which that part is forgotten, 1/rad (1/m).
+    pub(crate) per_travel: f64,
+}
+
+/// Share of the rounding's variance that counts as white sensor noise: without any, a sample at rest would tell infinitely much
+/// that a rounded one cannot; with a quarter its density is at most twice that of an even distribution over a step.
+const WHITE_SHARE: f64 = 0.25;
+
+impl Rounding {
+    /// Of a sensor with steps of that size, rad (m); none for a continuous one.
+    pub(crate) fn new(step: f64) -> Self {
+        if step <= 0.0 {
+            return Self::default();
         }
+        // The autocorrelation of a sawtooth of that period over the travel begins as 1 - 6 d / step.
+        Self { variance: (1.0 - WHITE_SHARE) * step * step / 12.0, per_travel: 6.0 / step }
+    }
+
+    /// The least white noise of a sensor with steps of that size, rad (m).
+    pub(crate) fn white_sd(step: f64) -> f64 {
+        (WHITE_SHARE / 12.0).sqrt() * step
+    }
+
+    /// Share of the kept part that is left behind some travel.
+    #[inline]
+    pub(crate) fn kept(&self, travel: f64) -> f64 {
+        (-self.per_travel * travel.abs()).exp()
     }
 }

@@ -30,7 +30,7 @@ pub(crate) fn seek(problem: &Problem, path: &Kept) -> Excitation {
         .enumerate()
         .map(|(index, kept)| {
             let grid = &problem.grids[index];
-            let fine = kept.prepared.missing_torque(&kept.path, &kept.innovations, grid);
+            let fine = path.missing_torque(problem, index);
             // One value a row: the sum over its substeps.
             let sum = |row: usize| fine[grid.first[row] as usize..grid.first[row + 1] as usize].iter().sum();
             Missing {

@@ -1,0 +1,89 @@
+//! The force laws along a motion that is given.
+
+use crate::likelihood::along::CERTAIN;
+use crate::likelihood::belief::{Laws, POSITION, SPEED, Substep};
+use crate::likelihood::filter::MOST_STATES;
+
+/// What the machine remembers of its motion.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Memory {
+    bristle: f64,
+    twist: f64,
+    twist_rate: f64,
+}
+
+/// One interval of a given motion.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Interval {
+    pub(super) dt_s: f64,
+    /// In its middle, rad (m).
+    pub(super) position: f64,
+    /// In its middle, rad/s (m/s).
+    pub(super) speed: f64,
+    /// Of the speed over it, rad/s (m/s).
+    pub(super) change: f64,
+    /// Probability that it moves the way the speed says, less that of the other way, 0 to 1.
+    pub(super) slides: f64,
+    /// Acting on the rotor, N m (N).
+    pub(super) torque: f64,
+}
+
+/// Substeps of a shaft's oscillation: ten a radian ...
+const PER_RADIAN: f64 = 10.0;
+/// ... and no more than this many an interval.
+const MOST: f64 = 64.0;
+
+impl Laws {
+    pub(super) fn rotor_inertia(&self) -> f64 {
+        self.inertia
+    }
+
+    /// What is left of the torque for the inertia, N m (N). Dry friction of a rotor that slides acts against the motion; that of
+    /// one that rests takes what it can.
+    pub(super) fn left(&self, memory: &mut Memory, along: &Interval) -> f64 {
+        let Interval { dt_s, position, speed, change, slides, torque } = *along;
+        let sign = if speed < 0.0 { -1.0 } else { 1.0 };
+        let smooth = self.friction.viscous(sign) + self.friction.quadratic_coefficient() * speed.abs();
+        let mut left =
+            torque + self.position.torque(position) - smooth * speed + self.shaft_torque(memory, dt_s, change);
+        let excess = self.friction.excess(speed);
+        if self.bristle.is_some() {
+            let before = memory.bristle;
+            memory.bristle = self.friction.bristle_after(speed.signum(), before, speed * dt_s);
+            let mean_level = 0.5 * (self.friction.coulomb(1.0) + self.friction.coulomb(-1.0));
+            return left - 0.5 * (before + memory.bristle) * (1.0 + excess / mean_level.max(f64::MIN_POSITIVE));
+        }
+        left -= slides * sign * (self.friction.coulomb(sign) + excess);
+        let held = (1.0 - slides) * (self.friction.coulomb(left) + excess);
+        left - left.clamp(-held.max(0.0), held.max(0.0))
+    }
+
+    /// Mean torque of the shaft on a motor whose speed changes by `change`, N m (N).
+    fn shaft_torque(&self, memory: &mut Memory, dt_s: f64, change: f64) -> f64 {
+        let Some(law) = &self.shaft else { return 0.0 };
+        let resonance_rad_s = (law.stiffness * (law.per_load_inertia + self.inertia.recip())).sqrt();
+        let steps = (dt_s * resonance_rad_s * PER_RADIAN).ceil().max(1.0).min(MOST);
+        let (step_s, mut sum) = (dt_s / steps, 0.0);
+        for _ in 0..steps as usize {
+            let bent = memory.twist - memory.twist.clamp(-law.half_gap, law.half_gap);
+            let touching = bent != 0.0 || law.half_gap == 0.0;
+            let torque = law.stiffness * bent + if touching { law.damping * memory.twist_rate } else { 0.0 };
+            memory.twist_rate -= step_s * law.per_load_inertia * torque + change / steps;
+            memory.twist += step_s * memory.twist_rate;
+            sum += torque;
+        }
+        sum / steps
+    }
+
+    /// A state at that position and speed, with nothing remembered.
+    pub(super) fn state_at(position: f64, speed: f64) -> [f64; MOST_STATES] {
+        let mut x = [0.0; MOST_STATES];
+        (x[POSITION], x[SPEED]) = (position, speed);
+        x
+    }
+
+    /// The state behind a substep, known for certain.
+    pub(super) fn certain(&self, x: &[f64; MOST_STATES], step: &Substep) -> [f64; MOST_STATES] {
+        self.mean(x, step, CERTAIN, CERTAIN)
+    }
+}

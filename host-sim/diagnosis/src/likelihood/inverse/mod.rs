@@ -1,0 +1,222 @@
+//! Inverse dynamics: the motion is given and the torque column is the response, as where that column is a measurement.
+//!
+//! Where a drive and its delay are modelled, the torque is a command and the motion its response: then the filter judges. A
+//! measured torque holds what no motion follows from (ripple, noise, the sensor's own filter), and control makes it follow the
+//! motion: predicted motion then pulls every gain towards less motion per torque. The residual here is a torque,
+//!
+//! r = [sum over intervals of weight x (torque + position torque - drag along the smoothed motion) - J x mean acceleration] / gain,
+//!
+//! under test functions that stand side by side (Janot, Vandanjon, Gautier 2014; weak form without differentiated positions).
+
+mod forces;
+mod motion;
+
+use statrs::function::erf::erf;
+
+use super::acting::{Acting, Grid};
+use super::filter::{Driven, HUBER, Innovations, Prepared, loss};
+use super::noise::Noise;
+use crate::likelihood::along::Window;
+use crate::likelihood::belief::{Laws, Substep};
+use crate::recorded::Recorded;
+
+use forces::{Interval, Memory};
+
+pub use motion::Motion;
+
+/// The residual torques of a recording under one machine, one for each test function, N m (N).
+pub(crate) type Residual = Vec<f64>;
+
+/// Mean torque of each row's interval.
+fn row_torques(acting: &Acting, grid: &Grid) -> Vec<f64> {
+    (0..grid.dt_s.len())
+        .map(|row| {
+            let steps = grid.first[row] as usize..grid.first[row + 1] as usize;
+            let many = steps.len().max(1) as f64;
+            acting.torque[steps].iter().sum::<f64>() / many
+        })
+        .collect()
+}
+
+impl Prepared {
+    /// What torque is left along a motion.
+    pub(crate) fn residual(&self, motion: &Motion, recorded: &Recorded, grid: &Grid, acting: &Acting) -> Residual {
+        let net = self.net(motion, recorded, &row_torques(acting, grid));
+        let inertia = self.laws.rotor_inertia();
+        let rotor: Vec<f64> = recorded.position.iter().map(|seen| self.rotor(*seen)).collect();
+        let of = |test: &motion::Test| {
+            let force: f64 = test.force.iter().zip(test.rows.clone()).map(|(weight, row)| weight * net[row]).sum();
+            let first = rotor[test.rows.start];
+            let seen = test.acceleration.iter().zip(&rotor[test.rows.clone()]);
+            // In the unit of the column: a gain that shrinks the torque must not shrink what is left of it.
+            (force - inertia * seen.map(|(weight, position)| weight * (position - first)).sum::<f64>()) / self.torque_gain
+        };
+        motion.tests.iter().map(of).collect()
+    }
+
+    /// Torque left of each interval beside the inertia's.
+    fn net(&self, motion: &Motion, recorded: &Recorded, torques: &[f64]) -> Vec<f64> {
+        let mut memory = Memory::default();
+        (0..torques.len())
+            .map(|row| {
+                let position = self.rotor(0.5 * (motion.position[row] + motion.position[row + 1]));
+                let speed = 0.5 * (motion.speed[row] + motion.speed[row + 1]);
+                let dt_s = recorded.t_s[row + 1] - recorded.t_s[row];
+                let change = motion.speed[row + 1] - motion.speed[row];
+                // The probability that the rotor slides the way the smoothed speed says, less that of the other way.
+                let slides = erf(speed.abs() / (std::f64::consts::SQRT_2 * motion.speed_sd));
+                let along = Interval { dt_s, position, speed, change, slides, torque: torques[row] };
+                self.laws.left(&mut memory, &along)
+            })
+            .collect()
+    }
+
+    /// Whitened residual torques, at the middle rows of their test functions; every other row counts nothing.
+    pub(crate) fn whiten(
+        &self,
+        motion: &Motion,
+        recorded: &Recorded,
+        residual: &Residual,
+        noise: &Noise,
+    ) -> Innovations {
+        let rows = recorded.rows();
+        let mut found = Innovations {
+            whitened: vec![0.0; rows],
+            innovation: recorded.position.iter().zip(&motion.position).map(|(seen, smooth)| seen - smooth).collect(),
+            log_likelihood: vec![0.0; rows],
+            position: motion.position.clone(),
+            speed: motion.speed.clone(),
+            left_torque: vec![0.0; rows],
+            counted: vec![false; rows],
+        };
+        for (test, &torque) in motion.tests.iter().zip(residual) {
+            let sd = self.torque_sd(test, recorded, noise);
+            let row = test.middle;
+            found.whitened[row] = torque / sd;
+            found.log_likelihood[row] = -sd.ln() - 0.5 * loss(torque / sd);
+            found.counted[row] = true;
+            found.left_torque[test.rows.clone()].fill(-torque);
+        }
+        found
+    }
+
+    /// The noise of a residual torque, N m (N).
+    fn torque_sd(&self, test: &motion::Test, recorded: &Recorded, noise: &Noise) -> f64 {
+        let inertia = self.laws.rotor_inertia();
+        let sensor = (inertia * noise.sensor_sd).powi(2) * test.per_sensor();
+        (noise.torque_density * test.per_density(&recorded.t_s) + sensor).max(f64::MIN_POSITIVE).sqrt()
+    }
+
+    /// The noise under which residual torques are likeliest, by golden sections of the logarithm of its density.
+    pub(crate) fn likeliest_noise(&self, motion: &Motion, recorded: &Recorded, residual: &Residual) -> Noise {
+        let squares: f64 = motion
+            .tests
+            .iter()
+            .zip(residual)
+            .map(|(test, torque)| torque * torque / test.per_density(&recorded.t_s).max(f64::MIN_POSITIVE))
+            .sum();
+        let most = squares / residual.len().max(1) as f64;
+        let with =
+            |ln: f64| Noise { sensor_sd: motion.sensor_sd, torque_density: most.max(f64::MIN_POSITIVE) * ln.exp() };
+        let cost = |ln: f64| -> f64 {
+            let noise = with(ln);
+            let of = |(test, torque): (&motion::Test, &f64)| {
+                let sd = self.torque_sd(test, recorded, &noise);
+                sd.ln() + 0.5 * loss(torque / sd)
+            };
+            motion.tests.iter().zip(residual).map(of).sum()
+        };
+        // Wrong samples make the mean square too large, by as much as e^12; below e^-24 of it there is none.
+        let (mut low, mut high) = (-24.0, 1.0);
+        let ratio = 0.5 * (5.0_f64.sqrt() - 1.0);
+        while high - low > 1e-3 {
+            let (left, right) = (high - ratio * (high - low), low + ratio * (high - low));
+            if cost(left) <= cost(right) {
+                high = right;
+            } else {
+                low = left;
+            }
+        }
+        with(0.5 * (low + high))
+    }
+
+    /// Windows of `horizon` rows, each simulated from the smoothed motion at its start.
+    pub(crate) fn windows_along(
+        &self,
+        motion: &Motion,
+        driven: Driven<'_>,
+        noise: &Noise,
+        horizon: usize,
+    ) -> Vec<Window> {
+        let Driven { recorded, grid, acting, .. } = driven;
+        let mut windows = Vec::new();
+        let inertia = self.laws.rotor_inertia();
+        let mut start = 0;
+        while start + horizon < recorded.rows() {
+            let end = start + horizon;
+            let whole = (start..=end).all(|row| !recorded.skipped[row] && (row == start || !recorded.after_gap[row]));
+            if whole {
+                let mut x = Laws::state_at(self.rotor(motion.position[start]), motion.speed[start]);
+                let mut window = Window { start, rows: horizon, squares: 0.0, expected: 0.0 };
+                for row in start..end {
+                    for index in grid.first[row] as usize..grid.first[row + 1] as usize {
+                        x = self.laws.certain(&x, &Substep::of(acting, index, grid.dt_s[row]));
+                    }
+                    window.squares += (recorded.position[row + 1] - self.seen(x[0]).0).powi(2);
+                    let t_s = recorded.t_s[row + 1] - recorded.t_s[start];
+                    window.expected += noise.sensor_sd * noise.sensor_sd
+                        + (motion.speed_sd * t_s).powi(2)
+                        + noise.torque_density * t_s.powi(3) / (3.0 * inertia * inertia);
+                }
+                windows.push(window);
+            }
+            start = end;
+        }
+        windows
+    }
+
+    /// The rotor's position behind a measured one, by one step of the fixed-point iteration: eccentricities are small.
+    fn rotor(&self, seen: f64) -> f64 {
+        if self.eccentricity.is_empty() { seen } else { 2.0 * seen - self.seen(seen).0 }
+    }
+
+    /// What each row's whitened residual would change from a machine that left `base` to this one.
+    pub(crate) fn difference(
+        &self,
+        base: &Innovations,
+        motion: &Motion,
+        recorded: &Recorded,
+        residual: &Residual,
+        noise: &Noise,
+    ) -> Vec<f64> {
+        let mut column = vec![0.0; recorded.rows()];
+        for (test, torque) in motion.tests.iter().zip(residual) {
+            column[test.middle] = torque / self.torque_sd(test, recorded, noise) - base.whitened[test.middle];
+        }
+        column
+    }
+
+    /// Sensitivity of half the squared whitened residuals to a torque in each substep, with the sign of the torque that is
+    /// missing.
+    pub(crate) fn missing_along(
+        &self,
+        motion: &Motion,
+        driven: Driven<'_>,
+        innovations: &Innovations,
+        noise: &Noise,
+    ) -> Vec<f64> {
+        let Driven { recorded, grid, .. } = driven;
+        let mut missing = vec![0.0; grid.substeps()];
+        for test in &motion.tests {
+            let whitened = innovations.whitened[test.middle].clamp(-HUBER, HUBER);
+            let per_torque = whitened / self.torque_sd(test, recorded, noise);
+            for (weight, row) in test.force.iter().zip(test.rows.clone()) {
+                let steps = grid.first[row] as usize..grid.first[row + 1] as usize;
+                let share = (steps.len().max(1) as f64).recip();
+                // A torque that acted and is not in the column leaves less than none.
+                missing[steps].iter_mut().for_each(|value| *value -= weight * per_torque * share);
+            }
+        }
+        missing
+    }
+}
