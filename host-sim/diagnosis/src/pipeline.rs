@@ -1,6 +1,6 @@
 //! From recordings to the conclusion; the only place that knows every stage.
 
-use crate::confidence_set::{Interval, Step, compare, intervals};
+use crate::confidence_set::{Comparison, Interval, Step, compare, excluded, intervals};
 use crate::effects::{Effect, VOCABULARY};
 use crate::goodness::{Predictor, predictors};
 use crate::hypothesis::{Entry, Refitted};
@@ -82,9 +82,6 @@ fn equivalent(
     all
 }
 
-/// Significance at which a rival is held to be worse, before it is corrected for the number of rivals.
-pub const LEVEL_OF_THE_SET: f64 = 0.05;
-
 /// Diagnoses; none where no pass over the recordings is finite.
 pub fn diagnose(problem: &Problem, vocabulary: &[&'static Effect]) -> Option<Conclusion> {
     let found = search(problem, vocabulary)?;
@@ -106,15 +103,16 @@ pub fn diagnose(problem: &Problem, vocabulary: &[&'static Effect]) -> Option<Con
 
 fn named(problem: &Problem, found: &Found) -> Vec<Named> {
     let best = &found.best.assessed;
-    let level = LEVEL_OF_THE_SET / found.rivals.len().max(1) as f64;
+    let comparisons: Vec<Comparison> =
+        found.rivals.iter().map(|(_, rival)| compare(problem, &found.best, rival)).collect();
+    let excluded = excluded(&comparisons);
     let mut effects: Vec<Named> = Vec::new();
     for (at, entry) in best.refitted.hypothesis.entries.iter().enumerate() {
         let mut alike: Vec<(f64, usize, &'static Effect)> = Vec::new();
-        for (_, rival) in found.rivals.iter().filter(|(place, _)| *place == at) {
-            let comparison = compare(problem, &found.best, rival);
+        for (index, (_, rival)) in found.rivals.iter().enumerate().filter(|(_, (place, _))| *place == at) {
             let Some(other) = rival.assessed.refitted.hypothesis.entries.last() else { continue };
-            if comparison.p_value() >= level && !alike.iter().any(|(_, _, effect)| *effect == other.effect) {
-                alike.push((comparison.difference, rival.assessed.freedom(), other.effect));
+            if !excluded[index] && !alike.iter().any(|(_, _, effect)| *effect == other.effect) {
+                alike.push((comparisons[index].difference, rival.assessed.freedom(), other.effect));
             }
         }
         alike.sort_by(|a, b| a.0.total_cmp(&b.0));

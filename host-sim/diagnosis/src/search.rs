@@ -3,11 +3,10 @@
 use rayon::prelude::*;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-use crate::confidence_set::{Assessed, Step, assess, compare};
+use crate::confidence_set::{Assessed, Comparison, Step, assess, compare, excluded};
 use crate::effects::Effect;
 use crate::hypothesis::{Entry, Hypothesis, Refitted, kept, noise_of, refit};
 use crate::likelihood::Noise;
-use crate::pipeline::LEVEL_OF_THE_SET;
 use crate::problem::Problem;
 use crate::score::{Candidate, score};
 use crate::windows::WindowFit;
@@ -307,12 +306,19 @@ fn neighbourhood(
         let others: Vec<&'static Effect> = vocabulary.iter().copied().filter(|effect| *effect != own).collect();
         let found =
             extend(problem, &without.assessed.refitted, &candidates(problem, &without.assessed.refitted, &others));
-        let found: Vec<Step> = found.into_iter().take(REFITTED).filter_map(|(one, _)| step(problem, one)).collect();
-        let simpler = found.iter().find(|rival| {
-            let fewer = rival.assessed.freedom() < best.assessed.freedom();
-            fewer && compare(problem, &best, rival).p_value() >= LEVEL_OF_THE_SET / found.len() as f64
-        });
-        if let Some(simpler) = simpler {
+        // What does not explain what is missing here by itself is no rival, however little tells it apart.
+        let floor = without.assessed.refitted.log_likelihood;
+        let rival = |(one, odds): (Refitted, Odds)| {
+            let (rise, last) = (one.log_likelihood - floor, one.hypothesis.entries.len() - 1);
+            let rival = step(problem, one)?;
+            let relevant = self::gain(problem, &rival, &without, last) >= SMALLEST_GAIN;
+            (relevant && p_value(&rival.assessed, last, rise, odds) < LEVEL_OF_A_STEP).then_some(rival)
+        };
+        let found: Vec<Step> = found.into_iter().take(REFITTED).filter_map(rival).collect();
+        let comparisons: Vec<Comparison> = found.iter().map(|rival| compare(problem, &best, rival)).collect();
+        let mut rivals_in_the_set = found.iter().zip(excluded(&comparisons)).filter(|(_, out)| !out);
+        let simpler = rivals_in_the_set.find(|(rival, _)| rival.assessed.freedom() < best.assessed.freedom());
+        if let Some((simpler, _)) = simpler {
             // The new entry stands last.
             tried.remove(at);
             tried.push(Odds { tries: 1.0, by_chance: 0.0, taken: NOT_YET });

@@ -27,6 +27,23 @@ impl Comparison {
     }
 }
 
+/// Significance at which a rival is held to be worse, over all rivals together.
+pub const LEVEL_OF_THE_SET: f64 = 0.05;
+
+/// Which rivals are worse than the best, by Holm's step-down test (1979) of all of them together.
+pub fn excluded(better: &[Comparison]) -> Vec<bool> {
+    let mut order: Vec<usize> = (0..better.len()).collect();
+    order.sort_by(|a, b| better[*a].p_value().total_cmp(&better[*b].p_value()));
+    let mut excluded = vec![false; better.len()];
+    for (step, &rival) in order.iter().enumerate() {
+        if better[rival].p_value() >= LEVEL_OF_THE_SET / (better.len() - step) as f64 {
+            break;
+        }
+        excluded[rival] = true;
+    }
+    excluded
+}
+
 /// Neighbouring blocks whose differences are taken to be correlated (Newey and West 1987).
 const LAGS: usize = 2;
 

@@ -6,7 +6,7 @@ mod intervals;
 
 use crate::windows::WindowFit;
 
-pub use compare::{Comparison, compare};
+pub use compare::{Comparison, LEVEL_OF_THE_SET, compare, excluded};
 pub use information::{Assessed, assess};
 pub(crate) use intervals::TWO_SIDED_95;
 pub use intervals::{Interval, intervals};

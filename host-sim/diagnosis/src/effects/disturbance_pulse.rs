@@ -4,7 +4,7 @@ use plant::effects::Pulse;
 
 use crate::physics::Push;
 
-use super::{Effect, PLAIN, Size, fixed, free, sized};
+use super::{Columns, Effect, PLAIN, Size, fixed, free, sized};
 
 /// The entry of the vocabulary.
 pub static EFFECT: Effect = Effect {
@@ -32,6 +32,7 @@ pub static EFFECT: Effect = Effect {
         e.pulses.iter().find(same).map_or(1.0, |(_, _, chance)| *chance)
     },
     leading: 2,
+    columns: Columns::Scaled(3),
     once: true,
     ..PLAIN
 };

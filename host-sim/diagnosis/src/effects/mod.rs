@@ -182,6 +182,8 @@ pub enum Columns {
     Whole,
     /// One for each free number: it adds in proportion to each.
     Each,
+    /// One, in proportion to the value at that index.
+    Scaled(usize),
 }
 
 /// Recording, start and end, s.

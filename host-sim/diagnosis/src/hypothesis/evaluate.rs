@@ -52,8 +52,16 @@ pub fn evaluate(problem: &Problem, physics: &Physics, noise: &[Noise]) -> Option
 }
 
 fn prepare(problem: &Problem, physics: &Physics, index: usize) -> Option<(Prepared, Acting)> {
-    let acting = Acting::new(physics, index, &problem.recordings[index], &problem.grids[index])?;
-    Some((Prepared::new(physics, index, problem.step), acting))
+    Some((Prepared::new(physics, index, problem.step), acting(problem, physics, index)?))
+}
+
+/// What acts in a recording; where the motion is given, what its torque column shows.
+fn acting(problem: &Problem, physics: &Physics, index: usize) -> Option<Acting> {
+    let (recorded, grid) = (&problem.recordings[index], &problem.grids[index]);
+    if problem.motions.is_empty() || physics.torque_filter_s == 0.0 {
+        return Acting::new(physics, index, recorded, grid);
+    }
+    Acting::new(&Physics { torque_filter_s: 0.0, ..physics.clone() }, index, recorded, grid)
 }
 
 /// What a look along a given motion costs of a filter's substep: measured, a row against four substeps.
@@ -115,11 +123,7 @@ impl Kept {
     pub(crate) fn response(&self, problem: &Problem, other: &Physics) -> Option<Vec<Vec<f64>>> {
         let same = same_actuation(&self.physics, other);
         let one = |(index, kept): (usize, &KeptRecording)| {
-            let acting = if same {
-                None
-            } else {
-                Some(Acting::new(other, index, &problem.recordings[index], &problem.grids[index])?)
-            };
+            let acting = if same { None } else { Some(acting(problem, other, index)?) };
             let acting = acting.as_ref().unwrap_or(&kept.acting);
             let prepared = Prepared::new(other, index, problem.step);
             let column = match (&kept.path, problem.motions.get(index)) {
@@ -141,12 +145,13 @@ impl Kept {
     /// Windows of `horizon` rows of one recording, each simulated from the state that was estimated at its start.
     pub(crate) fn windows(&self, problem: &Problem, index: usize, horizon: usize) -> Vec<Window> {
         let kept = &self.recordings[index];
-        let driven = driven(problem, index, &kept.acting);
-        match (&kept.path, problem.motions.get(index)) {
-            (Some(path), _) => kept.prepared.windows(path, driven, &self.noise[index], horizon),
-            (None, Some(motion)) => kept.prepared.windows_along(motion, driven, &self.noise[index], horizon),
-            (None, None) => Vec::new(),
+        if let Some(path) = &kept.path {
+            return kept.prepared.windows(path, driven(problem, index, &kept.acting), &self.noise[index], horizon);
         }
+        let acting = Acting::new(&self.physics, index, &problem.recordings[index], &problem.grids[index]);
+        problem.motions.get(index).zip(acting).map_or_else(Vec::new, |(motion, acting)| {
+            kept.prepared.windows_along(motion, driven(problem, index, &acting), &self.noise[index], horizon)
+        })
     }
 
     /// Sensitivity of half the squared whitened innovations of one recording to a torque in each substep, with the sign of the

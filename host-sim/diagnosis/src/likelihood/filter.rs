@@ -94,6 +94,7 @@ pub(crate) struct Prepared {
     glitch: Option<(f64, f64)>,
     pub(super) rounding: Rounding,
     pub(super) torque_gain: f64,
+    pub(super) torque_filter_s: f64,
 }
 
 impl Prepared {
@@ -106,6 +107,7 @@ impl Prepared {
             glitch: physics.glitch,
             rounding: Rounding::new(step),
             torque_gain: model.torque_gain,
+            torque_filter_s: physics.torque_filter_s,
         }
     }
 

@@ -174,6 +174,14 @@ fn candidate(
                 by_chance: 0.0,
             })
         }
+        Columns::Scaled(index) => {
+            let (coefficients, gain) = base.regress(&[response(&values)?])?;
+            let from = values.clone();
+            let mut values = values;
+            let range = effect.ranges(values.len(), &problem.nominal, excitation)[index];
+            values[index] = (values[index] * coefficients[0]).max(range.low).min(range.high);
+            Some(Candidate { entry: Entry { effect, values }, from, gain, tries: 1.0, by_chance: 0.0 })
+        }
         Columns::Each => {
             let ranges = effect.ranges(values.len(), &problem.nominal, excitation);
             let free = (0..values.len()).filter(|&index| effect.parameter(index).free);

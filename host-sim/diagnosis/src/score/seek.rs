@@ -9,6 +9,7 @@ use rustfft::num_complex::Complex;
 use crate::effects::Excitation;
 use crate::hypothesis::Kept;
 use crate::likelihood::filter::HUBER;
+use crate::likelihood::inverse::Motion;
 use crate::physics::Tone;
 use crate::problem::Problem;
 
@@ -43,7 +44,7 @@ pub(crate) fn seek(problem: &Problem, path: &Kept) -> Excitation {
     let mut excitation = problem.excitation.clone();
     excitation.orders = orders(&missing, &problem.excitation);
     excitation.tones = tones(&missing, excitation.recordings);
-    excitation.pulses = pushes(&missing);
+    excitation.pulses = pushes(&missing, problem.motions.first().map_or(0.0, Motion::support_s));
     excitation.glitch = glitch(path);
     let rows = missing.iter().map(|one| one.torque.len()).max().unwrap_or(0) as f64;
     excitation.looked_at = [HIGHEST_ORDER as f64, rows, rows * PUSHES_S.len() as f64];
@@ -150,7 +151,7 @@ fn tones(missing: &[Missing<'_>], recordings: usize) -> Vec<Tone> {
 }
 
 /// Stretches whose missing torque sums to most, for their length, best first.
-fn pushes(missing: &[Missing<'_>]) -> Vec<(usize, Pulse, f64)> {
+fn pushes(missing: &[Missing<'_>], smeared_s: f64) -> Vec<(usize, Pulse, f64)> {
     let mut found: Vec<(f64, usize, Pulse)> = Vec::new();
     for (recording, one) in missing.iter().enumerate() {
         let mut sums = vec![0.0];
@@ -164,7 +165,8 @@ fn pushes(missing: &[Missing<'_>]) -> Vec<(usize, Pulse, f64)> {
                 continue;
             }
             let windows: Vec<f64> = (0..=one.torque.len() - many).map(|from| sums[from + many] - sums[from]).collect();
-            let peaks = apart(&windows, many);
+            // Test functions smear a push over their own support.
+            let peaks = apart(&windows, many + many / 2 + (smeared_s / period_s).ceil() as usize);
             let Some(&best) = peaks.first() else { continue };
             let duration_s = many as f64 * period_s;
             let pulse = Pulse { start_s: one.t_s[best], duration_s, amplitude: windows[best].signum() };
@@ -176,13 +178,13 @@ fn pushes(missing: &[Missing<'_>]) -> Vec<(usize, Pulse, f64)> {
     found.into_iter().take(MOST).map(|(chance, recording, pulse)| (recording, pulse, chance)).collect()
 }
 
-/// Places of the largest sums that are at least a window and a half apart, largest first.
-fn apart(windows: &[f64], many: usize) -> Vec<usize> {
+/// Places of the largest sums that are more than that many rows apart, largest first.
+fn apart(windows: &[f64], rows: usize) -> Vec<usize> {
     let mut order: Vec<usize> = (0..windows.len()).collect();
     order.sort_by(|a, b| windows[*b].abs().total_cmp(&windows[*a].abs()));
     let mut kept: Vec<usize> = Vec::new();
     for index in order {
-        if kept.iter().all(|other| index.abs_diff(*other) > many + many / 2) {
+        if kept.iter().all(|other| index.abs_diff(*other) > rows) {
             kept.push(index);
         }
         if kept.len() == TAIL + 1 {

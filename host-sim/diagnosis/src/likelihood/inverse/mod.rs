@@ -14,7 +14,7 @@ mod motion;
 use statrs::function::erf::erf;
 
 use super::acting::{Acting, Grid};
-use super::filter::{Driven, HUBER, Innovations, Prepared, loss};
+use super::filter::{Driven, Innovations, Prepared, loss};
 use super::noise::Noise;
 use crate::likelihood::along::Window;
 use crate::likelihood::belief::{Laws, Substep};
@@ -48,25 +48,41 @@ impl Prepared {
             let force: f64 = test.force.iter().zip(test.rows.clone()).map(|(weight, row)| weight * net[row]).sum();
             let first = rotor[test.rows.start];
             let seen = test.acceleration.iter().zip(&rotor[test.rows.clone()]);
+            let left = force - inertia * seen.map(|(weight, position)| weight * (position - first)).sum::<f64>();
             // In the unit of the column: a gain that shrinks the torque must not shrink what is left of it.
-            (force - inertia * seen.map(|(weight, position)| weight * (position - first)).sum::<f64>()) / self.torque_gain
+            left / self.torque_gain
         };
         motion.tests.iter().map(of).collect()
     }
 
-    /// Torque left of each interval beside the inertia's.
+    /// Torque left of each interval beside the inertia's. A filter between the torque and its column acts on what the motion
+    /// requires: undone on the column it would amplify the column's noise.
     fn net(&self, motion: &Motion, recorded: &Recorded, torques: &[f64]) -> Vec<f64> {
         let mut memory = Memory::default();
+        let mut behind_filter: Option<f64> = None;
         (0..torques.len())
             .map(|row| {
-                let position = self.rotor(0.5 * (motion.position[row] + motion.position[row + 1]));
-                let speed = 0.5 * (motion.speed[row] + motion.speed[row + 1]);
                 let dt_s = recorded.t_s[row + 1] - recorded.t_s[row];
-                let change = motion.speed[row + 1] - motion.speed[row];
-                // The probability that the rotor slides the way the smoothed speed says, less that of the other way.
-                let slides = erf(speed.abs() / (std::f64::consts::SQRT_2 * motion.speed_sd));
-                let along = Interval { dt_s, position, speed, change, slides, torque: torques[row] };
-                self.laws.left(&mut memory, &along)
+                let speed = 0.5 * (motion.speed[row] + motion.speed[row + 1]);
+                let along = Interval {
+                    dt_s,
+                    position: self.rotor(0.5 * (motion.position[row] + motion.position[row + 1])),
+                    speed,
+                    change: motion.speed[row + 1] - motion.speed[row],
+                    // The probability that the rotor slides the way the speed says, less that of the other way.
+                    slides: erf(speed.abs() / (std::f64::consts::SQRT_2 * motion.speed_sd)),
+                    torque: torques[row],
+                };
+                let left = self.laws.left(&mut memory, &along);
+                if self.torque_filter_s <= 0.0 {
+                    return left;
+                }
+                let required = torques[row] - left + self.laws.rotor_inertia() * along.change / dt_s;
+                let before = behind_filter.filter(|_| !recorded.after_gap[row]).unwrap_or(required);
+                let kept = (-dt_s / self.torque_filter_s).exp();
+                behind_filter = Some(required + (before - required) * kept);
+                // Its mean over the interval, less what is required.
+                left - (before - required) * (1.0 - kept) * self.torque_filter_s / dt_s
             })
             .collect()
     }
@@ -208,8 +224,7 @@ impl Prepared {
         let Driven { recorded, grid, .. } = driven;
         let mut missing = vec![0.0; grid.substeps()];
         for test in &motion.tests {
-            let whitened = innovations.whitened[test.middle].clamp(-HUBER, HUBER);
-            let per_torque = whitened / self.torque_sd(test, recorded, noise);
+            let per_torque = innovations.whitened[test.middle] / self.torque_sd(test, recorded, noise);
             for (weight, row) in test.force.iter().zip(test.rows.clone()) {
                 let steps = grid.first[row] as usize..grid.first[row + 1] as usize;
                 let share = (steps.len().max(1) as f64).recip();

@@ -50,12 +50,18 @@ pub struct Motion {
     /// Standard deviation of a position sample, rad (m).
     pub(crate) sensor_sd: f64,
     pub(crate) tests: Vec<Test>,
+    support_s: f64,
 }
 
 impl Motion {
     /// Number of residual torques that it gives.
     pub fn residuals(&self) -> usize {
         self.tests.len()
+    }
+
+    /// Support of its longest test function, s.
+    pub(crate) fn support_s(&self) -> f64 {
+        self.support_s
     }
 
     /// Of a recording whose sensor has steps of that size, rad (m).
@@ -78,7 +84,14 @@ impl Motion {
         }
         let sensor_sd = smooth.left.max(rounding_sd);
         let tests = segments.iter().flat_map(|segment| tests(recorded, segment, half_s)).collect();
-        Self { position: smooth.position, speed: smooth.speed, speed_sd: sensor_sd * smooth.slope, sensor_sd, tests }
+        Self {
+            position: smooth.position,
+            speed: smooth.speed,
+            speed_sd: sensor_sd * smooth.slope,
+            sensor_sd,
+            tests,
+            support_s: 2.0 * half_s,
+        }
     }
 }
 
