@@ -166,7 +166,7 @@ fn remainder(problem: &Problem, found: &Found) -> Option<Remainder> {
     let predictors: Vec<Predictor> =
         all.into_iter().filter(|one| one.p_value < level && one.share >= SMALLEST_GAIN).collect();
     let gained = refitted.log_likelihood - found.nominal.assessed.refitted.log_likelihood;
-    let unnamed = found.rejected.iter().filter(|one| one.certain && one.rise >= SMALLEST_GAIN * gained);
+    let unnamed = found.rejected.iter().filter(|one| one.certain && gained > 0.0 && one.rise >= SMALLEST_GAIN * gained);
     let unnamed: Vec<&'static Effect> = unnamed.map(|one| one.effect).collect();
     (!predictors.is_empty() || !unnamed.is_empty()).then(|| Remainder {
         torque_rms: torque_rms(problem, refitted),
