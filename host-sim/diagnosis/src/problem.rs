@@ -50,7 +50,7 @@ impl Problem {
         let grids = recordings.iter().map(Grid::new).collect();
         let blocks = recordings.iter().map(blocks).collect();
         let excerpts = recordings.iter().map(|recorded| stretches(recorded.rows())).collect();
-        let excitation = excitation(&recordings, fitted, linear);
+        let excitation = Excitation { step: resolution, ..excitation(&recordings, fitted, linear) };
         let motions = if measured(&nominal, &excitation) { motions(&recordings, resolution) } else { Vec::new() };
         // Without steps, what double precision keeps of the travel.
         let least_sensor_sd =

@@ -71,7 +71,8 @@ pub fn first_noise(problem: &Problem) -> Vec<Noise> {
         // A tenth of the torque each sample: a search goes on from there.
         torque_density: (0.1 * torque).powi(2) * problem.excitation.period_s,
     };
-    noise_of(problem, &problem.nominal, &vec![begin; problem.recordings.len()], 4.0)
+    let all = problem.recordings.len();
+    noise_of(problem, &problem.nominal, &vec![begin; all], 4.0, 0..all)
 }
 
 /// The nominal machine.
@@ -159,6 +160,7 @@ pub fn p_value(assessed: &Assessed, entry: usize, gain: f64, odds: Odds) -> f64 
 }
 
 fn step(problem: &Problem, refitted: Refitted) -> Option<Step> {
+    let refitted = refitted.over_all(problem)?;
     let windows = WindowFit::new(problem, &refitted)?;
     Some(Step { assessed: assess(problem, refitted)?, windows })
 }
@@ -247,7 +249,7 @@ fn worth(problem: &Problem, from: &Step, to: &Refitted, odds: Odds) -> Option<(S
     let p = p_value(&next.assessed, entry, rise, odds);
     let gain = gain(problem, &next, from, entry);
     let crossed = next.assessed.total() > from.assessed.total();
-    let apart = next.assessed.away_from_neutral(&problem.nominal, entry);
+    let apart = next.assessed.away_from_neutral(problem, entry);
     (p < LEVEL_OF_A_STEP && gain >= SMALLEST_GAIN && crossed && apart).then_some((next, (p, gain)))
 }
 
@@ -295,7 +297,7 @@ fn neighbourhood(
         let gain = gain(problem, &best, &without, at);
         let rise = best.assessed.refitted.log_likelihood - without.assessed.refitted.log_likelihood;
         let p = p_value(&best.assessed, at, rise, tried[at]);
-        if p > LEVEL_OF_A_STEP || gain < SMALLEST_GAIN || !best.assessed.away_from_neutral(&problem.nominal, at) {
+        if p > LEVEL_OF_A_STEP || gain < SMALLEST_GAIN || !best.assessed.away_from_neutral(problem, at) {
             tried.remove(at);
             (best, at) = (without, 0);
             evidence.clear();

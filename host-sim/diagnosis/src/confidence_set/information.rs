@@ -62,8 +62,7 @@ const LAGS: usize = 2;
 /// Linearises at the optimum.
 pub fn assess(problem: &Problem, refitted: Refitted) -> Option<Assessed> {
     let alone = refitted.hypothesis.alone();
-    let beyond = alone.iter().any(|of| of.is_some_and(|of| of >= problem.fitted));
-    let many = if beyond { problem.recordings.len() } else { problem.fitted };
+    let many = refitted.hypothesis.told_by(problem);
     let path = kept(problem, &refitted.hypothesis.physics(&problem.nominal), &refitted.noise, many)?;
     let still = || path.recordings.iter().map(|kept| vec![0.0; kept.innovations.whitened.len()]).collect();
     let columns: Vec<Vec<Vec<f64>>> =

@@ -1,7 +1,7 @@
 //! 95 % intervals of reported values.
 
 use super::information::Assessed;
-use crate::physics::Physics;
+use crate::problem::Problem;
 
 /// A value with its 95 % interval, in the effect's own unit.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -13,6 +13,10 @@ pub struct Interval {
     /// Upper end.
     pub high: f64,
 }
+
+/// Smallest relevant size as a share of the typical change that an effect's own file states: of an inertia a thousandth, of a delay
+/// 20 us. Less is known of no machine's datasheet.
+const SMALLEST_SIZE: f64 = 0.02;
 
 /// Standard normal deviate of a 95 % interval.
 pub(crate) const TWO_SIDED_95: f64 = 1.959_964;
@@ -62,10 +66,18 @@ fn wrapped(difference: f64) -> f64 {
 }
 
 impl Assessed {
-    /// Whether the interval of an entry's leading value leaves out what it is without the effect.
-    pub fn away_from_neutral(&self, nominal: &Physics, entry: usize) -> bool {
-        let effect = self.refitted.hypothesis.entries[entry].effect;
-        let neutral = (effect.neutral)(nominal);
-        intervals(self, entry).get(effect.leading).is_some_and(|first| !(first.low <= neutral && neutral <= first.high))
+    /// Whether the interval of an entry's leading value leaves out what it is without the effect, by a relevant size.
+    pub fn away_from_neutral(&self, problem: &Problem, entry: usize) -> bool {
+        let entry_at = &self.refitted.hypothesis.entries[entry];
+        let effect = entry_at.effect;
+        let neutral = (effect.neutral)(&problem.nominal);
+        let ranges = effect.ranges(entry_at.values.len(), &problem.nominal, &problem.excitation);
+        intervals(self, entry).get(effect.leading).is_some_and(|first| {
+            // A value that is reported as it is fitted has a size to be measured by.
+            let same =
+                entry_at.values.get(effect.leading) == Some(&first.value) && ranges[effect.leading].scale.is_finite();
+            let least = if same { SMALLEST_SIZE * ranges[effect.leading].scale } else { 0.0 };
+            !(first.low <= neutral && neutral <= first.high) && (first.value - neutral).abs() >= least
+        })
     }
 }

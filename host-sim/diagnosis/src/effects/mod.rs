@@ -83,6 +83,8 @@ pub enum Size {
     Travel,
     /// One over the sample period.
     Rate,
+    /// The sensor's step.
+    Step,
 }
 
 impl Size {
@@ -100,6 +102,8 @@ impl Size {
             Self::Inertia => physics.model.inertia,
             Self::Travel => travel,
             Self::Rate => excitation.period_s.max(1e-6).recip(),
+            // Of a continuous sensor, what shows in a travel of a million steps.
+            Self::Step => excitation.step.max(1e-6 * travel),
         }
     }
 }
@@ -155,6 +159,8 @@ pub struct Excitation {
     pub travel: f64,
     /// Largest commanded field, kV/mm; 0 without a field column.
     pub field_peak: f64,
+    /// Step of the position sensor, rad (m); 0 for a continuous one.
+    pub step: f64,
     /// Longest recording, s.
     pub duration_s: f64,
     /// Median sample period, s.

@@ -1,5 +1,7 @@
 //! The log-likelihood of a hypothesis, block by block, and the noise that goes with it.
 
+use std::ops::Range;
+
 use rayon::prelude::*;
 
 use crate::likelihood::filter::{Driven, Innovations, Path, Prepared};
@@ -11,7 +13,7 @@ use crate::problem::Problem;
 /// What the recordings leave under one hypothesis.
 #[derive(Debug, Clone)]
 pub struct Evaluation {
-    /// One a recording.
+    /// One a recording looked at.
     pub innovations: Vec<Innovations>,
     /// Log-likelihood of each block of each recording.
     pub blocks: Vec<Vec<f64>>,
@@ -28,9 +30,9 @@ fn blocks(problem: &Problem, recording: usize, innovations: &Innovations) -> Vec
     problem.blocks[recording].iter().map(|block| innovations.log_likelihood[block.clone()].iter().sum()).collect()
 }
 
-/// The log-likelihood of a machine under the noise of each recording; none for a machine the plant refuses or a pass that is
+/// The log-likelihood of the first `many` recordings under a machine and the noise of each; none for a machine the plant refuses or a pass that is
 /// not finite.
-pub fn evaluate(problem: &Problem, physics: &Physics, noise: &[Noise]) -> Option<Evaluation> {
+pub fn evaluate(problem: &Problem, physics: &Physics, noise: &[Noise], many: usize) -> Option<Evaluation> {
     let one = |index: usize| {
         let (prepared, acting) = prepare(problem, physics, index)?;
         let innovations = match problem.motions.get(index) {
@@ -46,7 +48,7 @@ pub fn evaluate(problem: &Problem, physics: &Physics, noise: &[Noise]) -> Option
         let blocks = blocks(problem, index, &innovations);
         blocks.iter().all(|block| block.is_finite()).then_some((innovations, blocks))
     };
-    let all: Option<Vec<(Innovations, Vec<f64>)>> = (0..problem.recordings.len()).into_par_iter().map(one).collect();
+    let all: Option<Vec<(Innovations, Vec<f64>)>> = (0..many).into_par_iter().map(one).collect();
     let (innovations, blocks) = all?.into_iter().unzip();
     Some(Evaluation { innovations, blocks })
 }
@@ -183,9 +185,13 @@ fn same_actuation(one: &Physics, other: &Physics) -> bool {
         && other.model.validate().is_ok()
 }
 
-/// The noise of each recording under which a machine is most likely, searched from `from` in steps of 2^`octaves` downwards.
-pub fn noise_of(problem: &Problem, physics: &Physics, from: &[Noise], octaves: f64) -> Vec<Noise> {
-    let one = |(index, from): (usize, &Noise)| noise_of_one(problem, physics, index, from, octaves).unwrap_or(*from);
+/// The noise of each recording under which a machine is most likely, searched from `from` in steps of 2^`octaves` downwards for
+/// those of `which` and as it is for the others.
+pub fn noise_of(problem: &Problem, physics: &Physics, from: &[Noise], octaves: f64, which: Range<usize>) -> Vec<Noise> {
+    let one = |(index, from): (usize, &Noise)| {
+        let found = which.contains(&index).then(|| noise_of_one(problem, physics, index, from, octaves));
+        found.flatten().unwrap_or(*from)
+    };
     from.par_iter().enumerate().map(one).collect()
 }
 
@@ -197,7 +203,7 @@ fn noise_of_one(problem: &Problem, physics: &Physics, index: usize, from: &Noise
     }
     let substeps = problem.grids[index].substeps() / problem.recordings[index].rows().max(1);
     let score = |noise: &Noise| {
-        let of = |rows: &std::ops::Range<usize>| -> f64 {
+        let of = |rows: &Range<usize>| -> f64 {
             let driven = Driven { rows: rows.clone(), ..driven(problem, index, &acting) };
             problem.spend(rows.len() * substeps);
             prepared.run(driven, noise).log_likelihood.iter().sum()

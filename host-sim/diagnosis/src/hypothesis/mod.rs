@@ -5,6 +5,7 @@ mod refit;
 
 use crate::effects::Effect;
 use crate::physics::Physics;
+use crate::problem::Problem;
 
 pub use evaluate::{Evaluation, evaluate, noise_of};
 pub(crate) use evaluate::{Kept, kept};
@@ -58,6 +59,12 @@ impl Hypothesis {
             free.into_iter().map(move |index| (at, index))
         };
         self.entries.iter().enumerate().flat_map(of).collect()
+    }
+
+    /// How many of the recordings tell its values: those to fit, or all where a value belongs to one that is held out.
+    pub(crate) fn told_by(&self, problem: &Problem) -> usize {
+        let beyond = self.alone().iter().any(|of| of.is_some_and(|of| of >= problem.fitted));
+        if beyond { problem.recordings.len() } else { problem.fitted }
     }
 
     /// For each free number the recording that it belongs to alone.

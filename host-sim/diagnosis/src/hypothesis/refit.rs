@@ -16,16 +16,28 @@ pub struct Refitted {
     pub hypothesis: Hypothesis,
     /// The noise of each recording that goes with it.
     pub noise: Vec<Noise>,
-    /// All recordings under both.
+    /// The recordings to fit under both, and those held out once they have been looked at.
     pub evaluation: Evaluation,
     /// Log-likelihood of the recordings to fit.
     pub log_likelihood: f64,
 }
 
 impl Refitted {
+    /// With the recordings that are held out, each under the noise of its own.
+    pub fn over_all(self, problem: &Problem) -> Option<Self> {
+        let (looked_at, all) = (self.evaluation.blocks.len(), problem.recordings.len());
+        if looked_at == all {
+            return Some(self);
+        }
+        let physics = self.hypothesis.physics(&problem.nominal);
+        let noise = noise_of(problem, &physics, &self.noise, 0.5, looked_at..all);
+        let evaluation = evaluate(problem, &physics, &noise, all)?;
+        Some(Self { noise, evaluation, ..self })
+    }
+
     /// For each recording the noise under which it is likelier: estimated on an excerpt, it must hold on the whole.
     fn take_likelier_noise(&mut self, problem: &Problem, mut other: Self) {
-        for index in 0..self.noise.len() {
+        for index in 0..self.evaluation.blocks.len() {
             let sum = |of: &Self| of.evaluation.blocks[index].iter().sum::<f64>();
             if sum(&other) > sum(self) {
                 self.noise[index] = other.noise[index];
@@ -46,8 +58,7 @@ pub fn refit(problem: &Problem, start: &Hypothesis, noise: &[Noise], rounds: usi
     let mut damping = 1e-3;
     for round in 0..rounds {
         let before = best.log_likelihood;
-        let beyond = best.hypothesis.alone().iter().any(|of| of.is_some_and(|of| of >= problem.fitted));
-        let many = if beyond { problem.recordings.len() } else { problem.fitted };
+        let many = best.hypothesis.told_by(problem);
         let path = kept(problem, &best.hypothesis.physics(&problem.nominal), &best.noise, many)?;
         if let Some((information, gradient)) = normal_equations(problem, &best.hypothesis, &path) {
             best = descended(problem, best, &information, &gradient, &mut damping);
@@ -55,7 +66,8 @@ pub fn refit(problem: &Problem, start: &Hypothesis, noise: &[Noise], rounds: usi
         best = searched(problem, best);
         let gained = best.log_likelihood - before;
         let octaves = if round == 0 { 1.0 } else { 0.5 };
-        let noise = noise_of(problem, &best.hypothesis.physics(&problem.nominal), &best.noise, octaves);
+        let physics = best.hypothesis.physics(&problem.nominal);
+        let noise = noise_of(problem, &physics, &best.noise, octaves, 0..many);
         if noise != best.noise {
             let other = at(problem, best.hypothesis.clone(), noise)?;
             best.take_likelier_noise(problem, other);
@@ -102,9 +114,9 @@ fn searched(problem: &Problem, mut best: Refitted) -> Refitted {
         for &(entry, index) in &places {
             for factor in [f64::exp2(octaves), f64::exp2(-octaves)] {
                 let mut tried = best.hypothesis.clone();
-                let parameter = tried.entries[entry].effect.parameter(index);
-                let value = &mut tried.entries[entry].values[index];
-                *value = (*value * factor).max(parameter.low).min(parameter.high);
+                let of = &mut tried.entries[entry];
+                let range = of.effect.ranges(of.values.len(), &problem.nominal, &problem.excitation)[index];
+                of.values[index] = (of.values[index] * factor).max(range.low).min(range.high);
                 if let Some(found) = at(problem, tried, best.noise.clone())
                     && found.log_likelihood > best.log_likelihood
                 {
@@ -121,7 +133,8 @@ fn searched(problem: &Problem, mut best: Refitted) -> Refitted {
 }
 
 fn at(problem: &Problem, hypothesis: Hypothesis, noise: Vec<Noise>) -> Option<Refitted> {
-    let evaluation = evaluate(problem, &hypothesis.physics(&problem.nominal), &noise)?;
+    let many = hypothesis.told_by(problem);
+    let evaluation = evaluate(problem, &hypothesis.physics(&problem.nominal), &noise, many)?;
     let log_likelihood = evaluation.fitted(problem);
     Some(Refitted { hypothesis, noise, evaluation, log_likelihood })
 }

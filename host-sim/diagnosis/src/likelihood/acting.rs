@@ -5,10 +5,14 @@ use plant::{Command, FluidResponse, Model, Segment, Timeline};
 use crate::physics::Physics;
 use crate::recorded::Recorded;
 
-/// Substeps a row: with four, at 1 kHz, the belief's own error over 50 ms is a third of the servo's sensor step (measured
-/// against the plant, `tests/likelihood.rs`).
-const SUBSTEPS: usize = 4;
-/// No substep is longer than this, s: a tenth of the shortest time constant of a servo axis that a log of 50 ms can show ...
+/// A substep at fast sampling, s: with it the belief's own error over 50 ms is a third of the servo's sensor step (measured
+/// against the plant, `tests/likelihood.rs`) ...
+const FINE_S: f64 = 2.5e-4;
+/// ... in so many substeps a row.
+const FEWEST: usize = 2;
+/// At slow sampling this many a row do ...
+const ENOUGH: usize = 4;
+/// ... but no substep is longer than this, s: a tenth of the shortest time constant of a servo axis that a log of 50 ms can show ...
 const LONGEST_S: f64 = 1e-3;
 /// ... and no row, such as one behind a gap, has more than this many.
 const MOST: usize = 64;
@@ -28,7 +32,9 @@ impl Grid {
         let (mut first, mut dt_s, mut at) = (Vec::new(), Vec::new(), 0_u32);
         for pair in recorded.t_s.windows(2) {
             let interval_s = pair[1] - pair[0];
-            let count = ((interval_s / LONGEST_S).ceil() as usize).clamp(SUBSTEPS, MOST);
+            // A thousandth less, so that rounding of times makes no substep more.
+            let of = |length_s: f64| (0.999 * interval_s / length_s).ceil() as usize;
+            let count = of(FINE_S).clamp(FEWEST, ENOUGH).max(of(LONGEST_S)).min(MOST);
             first.push(at);
             dt_s.push(interval_s / count as f64);
             at += count as u32;

@@ -147,7 +147,7 @@ fn candidate(
 ) -> Option<Candidate> {
     if effect.parameter(0).searched {
         let other = hypothesis.with(effect, values.clone());
-        let found = evaluate(problem, &other.physics(&problem.nominal), &path.noise)?.fitted(problem);
+        let found = evaluate(problem, &other.physics(&problem.nominal), &path.noise, problem.fitted)?.fitted(problem);
         let from = values.clone();
         return Some(Candidate {
             entry: Entry { effect, values },
