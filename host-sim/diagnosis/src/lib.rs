@@ -20,5 +20,6 @@ pub mod problem;
 pub mod recorded;
 pub mod score;
 pub mod search;
+pub mod separation;
 pub mod verdict;
 pub mod windows;

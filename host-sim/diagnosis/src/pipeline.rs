@@ -3,7 +3,7 @@
 use crate::confidence_set::{Comparison, Interval, Step, compare, excluded, intervals};
 use crate::effects::{Effect, VOCABULARY};
 use crate::goodness::{Predictor, predictors};
-use crate::hypothesis::{Entry, Refitted};
+use crate::hypothesis::{Entry, Hypothesis, Refitted};
 use crate::problem::Problem;
 use crate::search::{Found, LEVEL_OF_A_STEP, Rejected, SMALLEST_GAIN, search};
 use crate::verdict::{Standing, Verdict, verdict};
@@ -53,6 +53,9 @@ pub struct Conclusion {
     pub nominal: Step,
     /// The best hypothesis.
     pub best: Step,
+    /// The best hypothesis, then those beside it that these recordings do not exclude though another motion may, by their
+    /// log-likelihood.
+    pub in_the_set: Vec<Hypothesis>,
     /// Whether the search ended at its budget of work.
     pub cut_short: bool,
     /// What was refitted and not taken, with the log-likelihood it would have brought.
@@ -86,7 +89,7 @@ fn equivalent(
 pub fn diagnose(problem: &Problem, vocabulary: &[&'static Effect]) -> Option<Conclusion> {
     let found = search(problem, vocabulary)?;
     let left = remainder(problem, &found);
-    let effects = named(problem, &found);
+    let (effects, in_the_set) = named(problem, &found);
     let standings: Vec<Standing> = effects.iter().map(|effect| effect.standing).collect();
     let verdict = verdict(&standings, left.is_some());
     let rejected = found.rejected;
@@ -96,13 +99,15 @@ pub fn diagnose(problem: &Problem, vocabulary: &[&'static Effect]) -> Option<Con
         remainder: left,
         nominal: found.nominal,
         best: found.best,
+        in_the_set,
         cut_short: problem.is_spent(),
         rejected,
     })
 }
 
-fn named(problem: &Problem, found: &Found) -> Vec<Named> {
+fn named(problem: &Problem, found: &Found) -> (Vec<Named>, Vec<Hypothesis>) {
     let best = &found.best.assessed;
+    let mut in_the_set: Vec<(f64, Hypothesis)> = Vec::new();
     let comparisons: Vec<Comparison> =
         found.rivals.iter().map(|(_, rival)| compare(problem, &found.best, rival)).collect();
     let excluded = excluded(&comparisons);
@@ -113,6 +118,9 @@ fn named(problem: &Problem, found: &Found) -> Vec<Named> {
             let Some(other) = rival.assessed.refitted.hypothesis.entries.last() else { continue };
             if !excluded[index] && !alike.iter().any(|(_, _, effect)| *effect == other.effect) {
                 alike.push((comparisons[index].difference, rival.assessed.freedom(), other.effect));
+                if !problem.nominal.indistinct(entry.effect, other.effect) {
+                    in_the_set.push((comparisons[index].difference, rival.assessed.refitted.hypothesis.clone()));
+                }
             }
         }
         alike.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -137,7 +145,9 @@ fn named(problem: &Problem, found: &Found) -> Vec<Named> {
         });
     }
     effects.sort_by(|a, b| b.gain.total_cmp(&a.gain));
-    effects
+    in_the_set.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let others = in_the_set.into_iter().map(|(_, hypothesis)| hypothesis);
+    (effects, std::iter::once(best.refitted.hypothesis.clone()).chain(others).collect())
 }
 
 /// What is left is told as the mean torque over this time, s: longer than the sensor's noise, shorter than motion.

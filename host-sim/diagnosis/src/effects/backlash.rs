@@ -2,7 +2,7 @@
 
 use plant::effects::Shaft;
 
-use super::{Effect, PLAIN, Parameter, Size, free, sized};
+use super::{Effect, LOAD_SIDE, PLAIN, Parameter, Size, free, sized};
 
 /// Up to a quarter of the sample rate: four samples a period show it.
 const RESONANCE: Parameter = sized(Size::Rate, 1e-4, 0.25, 2.5e-3);
@@ -22,5 +22,6 @@ pub static EFFECT: Effect = Effect {
         all
     },
     put: |p, v| p.model.shaft = Some(Shaft { gap: v[0], resonance_hz: v[1], damping_ratio: v[2], inertia_ratio: v[3] }),
+    measured_by: Some(LOAD_SIDE),
     ..PLAIN
 };

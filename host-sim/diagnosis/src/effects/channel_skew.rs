@@ -1,6 +1,6 @@
 //! The torque column is stamped another time than the position column: two loggers, or a measurement that passes a bus.
 
-use super::{Effect, PLAIN, free, measured};
+use super::{CURRENT_STEP, Effect, PLAIN, free, measured};
 
 /// The entry of the vocabulary.
 pub static EFFECT: Effect = Effect {
@@ -12,5 +12,6 @@ pub static EFFECT: Effect = Effect {
     put: |p, v| p.skew_s = v[0],
     alike: &["torque_delay", "sensor_latency"],
     first: true,
+    measured_by: Some(CURRENT_STEP),
     ..PLAIN
 };

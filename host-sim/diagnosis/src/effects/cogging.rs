@@ -1,6 +1,6 @@
 //! Torque over position: amplitude sin(order th + phase); one entry for each order.
 
-use super::{Columns, Effect, PLAIN, Size, amplitude_order_phase, fixed, harmonic, order_sine_cosine, sized};
+use super::{Columns, Effect, HOLDING, PLAIN, Size, amplitude_order_phase, fixed, harmonic, order_sine_cosine, sized};
 
 /// The entry of the vocabulary.
 pub static EFFECT: Effect = Effect {
@@ -14,5 +14,6 @@ pub static EFFECT: Effect = Effect {
     columns: Columns::Each,
     repeats: true,
     looked_at: |e| e.looked_at[0],
+    measured_by: Some(HOLDING),
     ..PLAIN
 };

@@ -1,6 +1,6 @@
 //! The electrorheological torque times 1 + r t.
 
-use super::{Columns, Effect, PLAIN, free, with_field};
+use super::{Columns, Effect, PLAIN, VOLTAGE, free, with_field};
 
 /// The entry of the vocabulary.
 pub static EFFECT: Effect = Effect {
@@ -15,5 +15,6 @@ pub static EFFECT: Effect = Effect {
         }
     },
     columns: Columns::Each,
+    measured_by: Some(VOLTAGE),
     ..PLAIN
 };

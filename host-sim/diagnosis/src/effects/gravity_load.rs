@@ -2,7 +2,7 @@
 
 use plant::effects::Gravity;
 
-use super::{Columns, Effect, PLAIN, Size, sized};
+use super::{Columns, Effect, HOLDING, PLAIN, Size, sized};
 
 /// The entry of the vocabulary.
 pub static EFFECT: Effect = Effect {
@@ -15,5 +15,6 @@ pub static EFFECT: Effect = Effect {
     report: |v| vec![v[0].hypot(v[1]), v[1].atan2(v[0])],
     fitted: |v, _| Some(vec![v[0] * v[1].cos(), v[0] * v[1].sin()]),
     columns: Columns::Each,
+    measured_by: Some(HOLDING),
     ..PLAIN
 };

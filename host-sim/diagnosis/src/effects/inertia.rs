@@ -1,6 +1,6 @@
 //! The moving inertia.
 
-use super::{Columns, Effect, PLAIN, Size, sized};
+use super::{Columns, Effect, PLAIN, Size, WEIGH, sized};
 
 /// The entry of the vocabulary.
 pub static EFFECT: Effect = Effect {
@@ -11,5 +11,6 @@ pub static EFFECT: Effect = Effect {
     put: |p, v| p.model.inertia = v[0],
     neutral: |p| p.model.inertia,
     columns: Columns::Each,
+    measured_by: Some(WEIGH),
     ..PLAIN
 };

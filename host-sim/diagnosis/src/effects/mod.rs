@@ -233,6 +233,8 @@ pub struct Effect {
     pub by_chance: fn(&Excitation, &[f64]) -> f64,
     /// Effects that no motion of a machine without a fluid tells from it.
     pub alike: &'static [&'static str],
+    /// A measurement of another kind that tells it where no motion does, as an instruction; none where only motion tells.
+    pub measured_by: Option<&'static str>,
     /// It is part of the first hypothesis of a machine that can have it: other effects stand in for it where it is missing.
     pub first: bool,
 }
@@ -257,6 +259,7 @@ pub(crate) const PLAIN: Effect = Effect {
     looked_at: |_| 1.0,
     by_chance: |_, _| 0.0,
     alike: &[],
+    measured_by: None,
     first: false,
 };
 
@@ -328,6 +331,18 @@ pub(crate) fn strongest(er: &plant::Er) -> f64 {
     let (a, b) = er.acting();
     (a * LARGEST_FIELD_KV_MM + b) * LARGEST_FIELD_KV_MM
 }
+
+/// What tells how much moves, and by how much torque.
+pub(crate) const WEIGH: &str =
+    "weigh what moves, or measure the torque constant: the command that holds a known weight";
+/// What tells the field from the fluid.
+pub(crate) const VOLTAGE: &str = "measure the voltage over the gap of the fluid";
+/// What tells the drive's lateness from the sensor's.
+pub(crate) const CURRENT_STEP: &str = "measure the drive's answer to a step of current by itself";
+/// What tells torques over position.
+pub(crate) const HOLDING: &str = "measure the torque that holds some positions at rest";
+/// What tells what hangs on the rotor.
+pub(crate) const LOAD_SIDE: &str = "measure the load's position as well, or hold the load and turn the motor";
 
 /// Amplitude, order and phase of values order, sine, cosine.
 pub(crate) fn amplitude_order_phase(values: &[f64]) -> Vec<f64> {

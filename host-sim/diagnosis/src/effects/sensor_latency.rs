@@ -1,6 +1,6 @@
 //! The position is reported late: measured(t) = th(t - d); negative where commands are stamped late.
 
-use super::{Effect, PLAIN, commanded, free};
+use super::{CURRENT_STEP, Effect, PLAIN, commanded, free};
 
 /// The entry of the vocabulary.
 pub static EFFECT: Effect = Effect {
@@ -11,5 +11,6 @@ pub static EFFECT: Effect = Effect {
     starts: |_, _| [-5e-3, -2e-3, -0.7e-3, 0.7e-3, 2e-3, 5e-3].iter().map(|&v| vec![v]).collect(),
     put: |p, v| p.model.sensor.latency_s = v[0],
     alike: &["torque_delay", "channel_skew"],
+    measured_by: Some(CURRENT_STEP),
     ..PLAIN
 };

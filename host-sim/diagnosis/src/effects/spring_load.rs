@@ -1,6 +1,6 @@
 //! A spring to position 0: -k th.
 
-use super::{Columns, Effect, PLAIN, Size, sized};
+use super::{Columns, Effect, HOLDING, PLAIN, Size, sized};
 
 /// The entry of the vocabulary.
 pub static EFFECT: Effect = Effect {
@@ -10,5 +10,6 @@ pub static EFFECT: Effect = Effect {
     starts: |p, _| vec![vec![p.model.spring_stiffness]],
     put: |p, v| p.model.spring_stiffness = v[0],
     columns: Columns::Each,
+    measured_by: Some(HOLDING),
     ..PLAIN
 };

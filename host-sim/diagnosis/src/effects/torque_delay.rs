@@ -1,6 +1,6 @@
 //! The commanded torque acts after a delay.
 
-use super::{Effect, PLAIN, commanded, free};
+use super::{CURRENT_STEP, Effect, PLAIN, commanded, free};
 
 /// The entry of the vocabulary.
 pub static EFFECT: Effect = Effect {
@@ -19,5 +19,6 @@ pub static EFFECT: Effect = Effect {
     put: |p, v| p.model.torque_delay_s = v[0],
     neutral: |p| p.model.torque_delay_s,
     alike: &["sensor_latency", "channel_skew"],
+    measured_by: Some(CURRENT_STEP),
     ..PLAIN
 };

@@ -1,6 +1,6 @@
 //! The torque column is a measurement behind a first-order filter: tau dT_m/dt = T - T_m.
 
-use super::{Effect, PLAIN, free, measured};
+use super::{CURRENT_STEP, Effect, PLAIN, free, measured};
 
 /// The entry of the vocabulary.
 pub static EFFECT: Effect = Effect {
@@ -10,5 +10,6 @@ pub static EFFECT: Effect = Effect {
     applies: measured,
     starts: |_, e| [1.0, 3.0, 10.0, 30.0, 100.0].iter().map(|&rows| vec![rows * e.period_s]).collect(),
     put: |p, v| p.torque_filter_s = v[0],
+    measured_by: Some(CURRENT_STEP),
     ..PLAIN
 };

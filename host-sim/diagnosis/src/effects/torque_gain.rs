@@ -1,6 +1,6 @@
 //! The drive gives a gain times the commanded torque.
 
-use super::{Columns, Effect, PLAIN, free};
+use super::{Columns, Effect, PLAIN, WEIGH, free};
 
 /// The entry of the vocabulary.
 pub static EFFECT: Effect = Effect {
@@ -11,5 +11,6 @@ pub static EFFECT: Effect = Effect {
     put: |p, v| p.model.torque_gain = v[0],
     neutral: |p| p.model.torque_gain,
     columns: Columns::Each,
+    measured_by: Some(WEIGH),
     ..PLAIN
 };

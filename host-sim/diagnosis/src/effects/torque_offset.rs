@@ -1,6 +1,6 @@
 //! The drive adds a constant torque.
 
-use super::{Columns, Effect, PLAIN, Size, sized};
+use super::{Columns, Effect, HOLDING, PLAIN, Size, sized};
 
 /// The entry of the vocabulary.
 pub static EFFECT: Effect = Effect {
@@ -11,5 +11,6 @@ pub static EFFECT: Effect = Effect {
     put: |p, v| p.model.torque_offset = v[0],
     neutral: |p| p.model.torque_offset,
     columns: Columns::Each,
+    measured_by: Some(HOLDING),
     ..PLAIN
 };

@@ -1,6 +1,6 @@
 //! The drive's torque is limited either way.
 
-use super::{Effect, PLAIN, Size, commanded, sized};
+use super::{Effect, PLAIN, Size, WEIGH, commanded, sized};
 
 /// The entry of the vocabulary.
 pub static EFFECT: Effect = Effect {
@@ -11,5 +11,6 @@ pub static EFFECT: Effect = Effect {
     starts: |_, e| [0.95, 0.85, 0.7, 0.5, 0.3].iter().map(|&v| vec![v * e.torque_peak]).collect(),
     put: |p, v| p.model.torque_limit = Some(v[0]),
     neutral: |p| p.model.torque_limit.unwrap_or(f64::INFINITY),
+    measured_by: Some(WEIGH),
     ..PLAIN
 };
