@@ -61,9 +61,9 @@ fn prepare(problem: &Problem, physics: &Physics, index: usize) -> Option<(Prepar
 fn acting(problem: &Problem, physics: &Physics, index: usize) -> Option<Acting> {
     let (recorded, grid) = (&problem.recordings[index], &problem.grids[index]);
     if problem.motions.is_empty() || physics.torque_filter_s == 0.0 {
-        return Acting::new(physics, index, recorded, grid);
+        return Acting::new(physics, index, recorded, grid, !problem.motions.is_empty());
     }
-    Acting::new(&Physics { torque_filter_s: 0.0, ..physics.clone() }, index, recorded, grid)
+    Acting::new(&Physics { torque_filter_s: 0.0, ..physics.clone() }, index, recorded, grid, true)
 }
 
 /// What a look along a given motion costs of a filter's substep: measured, a row against four substeps.
@@ -150,7 +150,7 @@ impl Kept {
         if let Some(path) = &kept.path {
             return kept.prepared.windows(path, driven(problem, index, &kept.acting), &self.noise[index], horizon);
         }
-        let acting = Acting::new(&self.physics, index, &problem.recordings[index], &problem.grids[index]);
+        let acting = Acting::new(&self.physics, index, &problem.recordings[index], &problem.grids[index], true);
         problem.motions.get(index).zip(acting).map_or_else(Vec::new, |(motion, acting)| {
             kept.prepared.windows_along(motion, driven(problem, index, &acting), &self.noise[index], horizon)
         })

@@ -61,8 +61,9 @@ pub struct Acting {
 }
 
 impl Acting {
-    /// For one recording of a machine, or none for a model that the plant refuses.
-    pub fn new(physics: &Physics, index: usize, recorded: &Recorded, grid: &Grid) -> Option<Self> {
+    /// For one recording of a machine, or none for a model that the plant refuses. A command is held from its row to the next; a
+    /// measurement is a sample, and stands for half a row to either side.
+    pub fn new(physics: &Physics, index: usize, recorded: &Recorded, grid: &Grid, measured: bool) -> Option<Self> {
         let model = physics.model_of(index);
         let commands = unfiltered(recorded, physics.torque_filter_s);
         let commands: &[Command] = commands.as_deref().unwrap_or(&recorded.commands);
@@ -70,7 +71,8 @@ impl Acting {
         let timeline = Timeline::new(&model, &recorded.t_s, commands, &before).ok()?;
         let latency_s = model.sensor.latency_s;
         let mut acting = Self::default();
-        let torque = Reader { segments: timeline.segments(), shift_s: latency_s + physics.skew_s };
+        let early_s = if measured { 0.5 * recorded.period_s() } else { 0.0 };
+        let torque = Reader { segments: timeline.segments(), shift_s: latency_s + physics.skew_s - early_s };
         let outside = Outside { model: &model };
         torque.read(recorded, grid, |_, pieces| acting.torque.push(outside.mean(pieces)));
         if let Some(er) = &model.er {

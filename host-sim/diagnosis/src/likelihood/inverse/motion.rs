@@ -67,7 +67,8 @@ impl Motion {
     /// Of a recording whose sensor has steps of that size, rad (m).
     pub fn new(recorded: &Recorded, step: f64) -> Self {
         let segments = segments(recorded);
-        let least_s = FEWEST_ROWS as f64 * recorded.period_s();
+        // Half a row more: rows that come a little late are in.
+        let least_s = (FEWEST_ROWS as f64 + 0.5) * recorded.period_s();
         let half_s = HALF_S.max(least_s);
         let rounding_sd = (step / 12.0_f64.sqrt()).max(f64::MIN_POSITIVE.sqrt());
         let mut smooth = smoothed(recorded, &segments, least_s);
