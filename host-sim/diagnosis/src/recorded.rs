@@ -67,8 +67,8 @@ impl Recorded {
     }
 }
 
-/// One command a row, each held to the next row.
-fn commands(recording: &Recording) -> Vec<Command> {
+/// One command a row, each held to the next row; where the recording has no speed, the drive's estimate is rebuilt from the position.
+pub fn commands(recording: &Recording) -> Vec<Command> {
     let speed = recording.velocity.clone().unwrap_or_else(|| rebuilt_speed(recording));
     (0..recording.t_s.len())
         .map(|row| Command {

@@ -1,11 +1,10 @@
 //! The two models along the recordings, as the page draws them.
 
+use diagnosis::physics::Physics;
 use rayon::prelude::*;
 
 use crate::Error;
-use crate::effects::Physics;
 use crate::read::Recording;
-use crate::refit::model;
 use crate::residual::{Residual, residual};
 
 /// Length of the windows drawn, s.
@@ -21,7 +20,7 @@ const SETTLE_S: f64 = 0.03;
 /// A recording too short for one window, or a machine that cannot be simulated.
 pub(super) fn all(physics: &Physics, recordings: &[&Recording]) -> Result<Vec<Residual>, Error> {
     let each = recordings.par_iter().enumerate().map(|(index, recording)| {
-        let mut all = residual(&model(physics, index), recording, WINDOW_S)?;
+        let mut all = residual(&physics.model_of(index), recording, WINDOW_S)?;
         let settled_s = recording.t_s.first().copied().unwrap_or_default() + SETTLE_S;
         all.windows.retain(|window| recording.t_s[window.start] >= settled_s);
         Ok(all)
