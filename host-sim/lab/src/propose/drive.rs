@@ -1,11 +1,12 @@
 //! A model in closed loop along a reference: the commands and the states that every rival then starts its windows from.
 
-use diagnosis::recorded::commands;
+use diagnosis::recorded::{ACTS_S, commands};
+use diagnosis::windows::HORIZONS_S;
 use er_servo::Config;
 use plant::{Command, Model, Plant, State};
 
-use super::menu::Item;
 use super::Limits;
+use super::menu::Item;
 use crate::Error;
 use crate::read::{AxisKind, Machine, Recording};
 use crate::residual::residual;
@@ -14,10 +15,13 @@ use crate::simulate::{Reference, Setup, period_s, run};
 /// Commands along a motion, and the states at the first rows of its windows.
 #[derive(Debug, Clone)]
 pub struct Motion {
+    /// s.
     pub t_s: Vec<f64>,
+    /// One a row, each held to the next.
     pub commands: Vec<Command>,
     /// Held since ever when the first command came.
     pub before: Command,
+    /// Where the windows start.
     pub starts: Vec<Start>,
     /// Rows of a window.
     pub rows: usize,
@@ -28,19 +32,20 @@ pub struct Motion {
 /// Where a window starts.
 #[derive(Debug, Clone, Copy)]
 pub struct Start {
+    /// Index of the row.
     pub row: usize,
+    /// State of the machine there.
     pub state: State,
+    /// Index of the block it is counted in.
     pub block: usize,
 }
 
-/// Length of the windows of a comparison, s (diagnosis.md: two residuals that work).
-const HORIZON_S: f64 = 0.05;
+/// Length of the windows of a comparison, s.
+const HORIZON_S: f64 = HORIZONS_S[0];
 /// Length of the blocks that are compared, s.
 const BLOCK_S: f64 = 0.4;
 /// Every second window is enough to predict with.
 pub const STRIDE: usize = 2;
-/// What was commanded before the first row of a recording acts this long, s.
-const SETTLE_S: f64 = 0.03;
 
 /// What closes the loop.
 #[derive(Debug, Clone, Copy)]
@@ -48,7 +53,16 @@ pub enum Loop {
     /// The flashed law.
     Law(Config),
     /// A plain PD on the true state, without field: where the controller of a machine is not known.
-    Pd { stiffness: f64, damping: f64, torque_limit: f64, period_s: f64 },
+    Pd {
+        /// N m/rad (N/m).
+        stiffness: f64,
+        /// N m s/rad (N s/m).
+        damping: f64,
+        /// N m (N).
+        torque_limit: f64,
+        /// Time from one command to the next, s.
+        period_s: f64,
+    },
 }
 
 impl Loop {
@@ -181,7 +195,7 @@ impl Motion {
         let commands = commands(recording);
         let rows = left.windows.iter().map(|window| window.end - window.start).min().unwrap_or(0);
         let first_s = recording.t_s[0];
-        let settled = left.windows.iter().filter(|window| recording.t_s[window.start] >= first_s + SETTLE_S);
+        let settled = left.windows.iter().filter(|window| recording.t_s[window.start] >= first_s + ACTS_S);
         let starts: Vec<Start> = settled
             .step_by(STRIDE)
             .map(|window| Start {

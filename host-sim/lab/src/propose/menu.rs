@@ -23,6 +23,7 @@ pub struct Item {
 /// What a menu is made for.
 #[derive(Debug, Clone, Copy)]
 pub struct Scale {
+    /// What the machine may be put through.
     pub limits: Limits,
     /// Error at which the loop's torque overcomes dry friction and the highest braking field, rad (m).
     pub breakaway: f64,

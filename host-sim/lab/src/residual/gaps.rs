@@ -1,9 +1,9 @@
 //! Where commands that were lost may still act.
 
+use diagnosis::recorded::ACTS_S;
+
 use crate::read::Recording;
 
-/// What was commanded in a gap acts this long after it, s: delays and lags of drive and fluid.
-const ACTS_S: f64 = 0.03;
 /// A gap of at most this length is bridged by the held command, s,
 const BRIDGED_S: f64 = 3e-3;
 /// if the command is the same on both sides, up to this share of its largest.

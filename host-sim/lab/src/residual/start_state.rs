@@ -213,7 +213,6 @@ mod tests {
                 t_s: &t_s,
                 measured: &measured,
                 unknowns: Unknowns::of(&model),
-                inside: State::default(),
             };
             let (state, simulated) = window.estimate(speed_at(&t_s, &measured, 0, 0, 100)).unwrap();
             let worst = measured.iter().zip(&simulated).map(|(m, s)| (m - s).abs()).fold(0.0, f64::max);

@@ -6,7 +6,8 @@ use super::maps::{Band, MapPlot};
 use super::*;
 use crate::output::{Input, Provenance};
 use crate::report::{
-    EffectAnswer, Evidence, Experiment, FitAnswer, Interval, Location, PredictorAnswer, Region, Rejected, RemainderAnswer,
+    EffectAnswer, Evidence, Experiment, FitAnswer, Interval, Location, PredictorAnswer, Region, Rejected,
+    RemainderAnswer,
 };
 use crate::report::{Verdict, html};
 
@@ -71,12 +72,7 @@ fn answer(verdict: Verdict) -> Answer {
             effort_rms: 0.3,
             unit: hostile.clone(),
             unnamed: vec![hostile.clone()],
-            predictors: vec![PredictorAnswer {
-                channel: hostile.clone(),
-                share: 0.4,
-                p_value: 1e-9,
-                effort_rms: 0.2,
-            }],
+            predictors: vec![PredictorAnswer { channel: hostile.clone(), share: 0.4, p_value: 1e-9, effort_rms: 0.2 }],
         }),
         warnings: vec![hostile],
     }
