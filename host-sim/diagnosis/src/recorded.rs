@@ -21,7 +21,7 @@ pub struct Recorded {
 }
 
 /// What was commanded in a gap acts this long after it, s: delays and lags of drive and fluid.
-const ACTS_S: f64 = 0.03;
+pub const ACTS_S: f64 = 0.03;
 /// Time constant of the speed estimate where a recording has none, s: the drive's default (control.md section 3).
 const SPEED_FILTER_S: f64 = 0.001;
 
@@ -67,8 +67,8 @@ impl Recorded {
     }
 }
 
-/// One command a row, each held to the next row.
-fn commands(recording: &Recording) -> Vec<Command> {
+/// One command a row, each held to the next row; without a column of speed the drive's estimate is rebuilt from the position.
+pub fn commands(recording: &Recording) -> Vec<Command> {
     let speed = recording.velocity.clone().unwrap_or_else(|| rebuilt_speed(recording));
     (0..recording.t_s.len())
         .map(|row| Command {

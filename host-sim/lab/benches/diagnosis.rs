@@ -7,12 +7,12 @@ use std::time::Duration;
 
 use analysis::simulate::{Reference, Setup, record, run};
 use criterion::{Criterion, criterion_group, criterion_main};
+use diagnosis::effects::VOCABULARY;
+use diagnosis::physics::Physics;
 use er_servo::Config;
 use er_servo::experiment::{Experiment, Shape};
-use lab::decide::{Request, diagnose};
-use lab::effects::{Physics, VOCABULARY};
+use lab::conclude::{Request, diagnose};
 use lab::read::{Axis, AxisKind, ErNominal, Machine, PlantNominal, Recording};
-use lab::refit::model;
 
 fn machine() -> Machine {
     Machine {
@@ -44,7 +44,7 @@ fn recordings(truth: &Physics) -> Vec<Recording> {
     ];
     let record = |(seed, shape)| {
         let setup = Setup {
-            model: model(truth, 0),
+            model: truth.model_of(0),
             config: Config::default(),
             disturbances: Vec::new(),
             sensor_noise_rad: 0.0,
@@ -62,10 +62,8 @@ fn one_missing_effect(c: &mut Criterion) {
     let mut group = c.benchmark_group("diagnosis");
     group.sample_size(10).measurement_time(Duration::from_secs(30));
     for (name, lag_s) in [("nothing_missing", 0.003), ("field_lag", 0.008)] {
-        let mut truth = Physics::nominal(&machine);
-        if let Some(damper) = &mut truth.damper {
-            (damper.rise_s, damper.fall_s) = (lag_s, lag_s);
-        }
+        let mut truth = Physics::nominal(&machine, &[]);
+        truth.with_field(|field| (field.rise_s, field.fall_s) = (lag_s, lag_s));
         let files = recordings(&truth);
         let (recordings, holdout) = files.split_at(2);
         let request = Request { machine: &machine, recordings, holdout, vocabulary: &VOCABULARY };

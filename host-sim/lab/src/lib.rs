@@ -4,27 +4,19 @@
 //! Flow is one way: a stage knows only what comes before it.
 #![forbid(unsafe_code)]
 
-pub mod budget;
 pub mod cli;
 pub mod conclude;
-pub mod decide;
-pub mod effects;
 pub mod first_model;
-pub mod formula;
-pub mod guide;
 pub mod interrupt;
 pub mod line;
-pub mod locate;
 pub mod output;
 pub mod precheck;
 pub mod progress_bar;
 pub mod propose;
 pub mod prove;
 pub mod record;
-pub mod refit;
 pub mod report;
 pub mod residual;
-pub mod screen;
 
 // Stages that are crates of their own, under the names they have here.
 use analysis::{beyond, paper, plot, simulate, stability, tune};

@@ -8,11 +8,10 @@ use std::path::Path;
 
 use analysis::simulate::{Reference, Setup, record, run};
 use common::{PERIOD_S, field, paper, setup, shared};
+use diagnosis::physics::Physics;
 use er_servo::experiment::{Experiment, Shape};
 use er_servo::{Config, RAD_PER_COUNT};
-use lab::effects::Physics;
 use lab::read::{Axis, AxisKind, Machine, Recording};
-use lab::refit::model;
 use lab::report::compare::{Comparison, HORIZON_S};
 use lab::residual::{Channel, residual, sensor_noise};
 use plant::Model;
@@ -90,8 +89,7 @@ fn on_real_machine(folder: &str, file: &str) -> Option<Shares> {
     let data = shared("data")?.join(folder);
     let machine = Machine::read(&data.join("machine.toml")).unwrap();
     let recording = Recording::read(&data.join(file), Some(machine.axis.kind)).unwrap();
-    let comparison =
-        Comparison::new(&model(&Physics::of(&machine, &[]).unwrap(), 0), &machine.axis, &recording).unwrap();
+    let comparison = Comparison::new(&Physics::nominal(&machine, &[]).model_of(0), &machine.axis, &recording).unwrap();
     println!("{comparison}");
     let orders = comparison.orders().map(|found| (found.orders.iter().map(|o| o.per_rev).collect(), found.explained));
     let picture = tempfile::tempdir().unwrap();

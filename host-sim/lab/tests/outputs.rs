@@ -120,7 +120,6 @@ fn what_cannot_be_written_is_known_first_by_the_users_name() {
         "compare --machine m.toml run.csv --plots notes.txt/plots",
         "tune --out notes.txt/tune",
         "paper --out notes.txt/paper",
-        "guide --out notes.txt/guide",
         "demo --out notes.txt/demo",
         "simulate --out notes.txt/run.csv",
         "stability --plot notes.txt/region.svg",

@@ -132,7 +132,7 @@ fn help_names_effects_and_what_is_near() {
         "{effects}"
     );
     assert!(refused(folder.path(), &["help", "efects"]).contains("is `effects` meant?"));
-    let near = refused(folder.path(), &["guide", "--only", "colomb_friction"]);
+    let near = refused(folder.path(), &["diagnose", "--machine", "machine.toml", "--only", "colomb_friction", "a.csv"]);
     assert!(near.contains("the nearest is `coulomb_friction`"), "{near}");
     assert!(lab(folder.path(), &["completions", "bash"]).contains("servo-lab"));
     lab(folder.path(), &["man", "--out", "man"]);

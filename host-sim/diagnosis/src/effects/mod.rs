@@ -1,7 +1,7 @@
 //! The vocabulary: one file for each effect, with its equation, parameters, start grid, and the sentence that names it.
 //!
-//! An effect changes numbers of [`Physics`]; what those numbers do is in one place for the weak form (`screen`) and in
-//! one for the time domain (`plant`). Adding an effect is adding a file and a line here.
+//! An effect changes numbers of [`Physics`]; what those numbers do is in the crate `plant`. Adding an effect is adding a file
+//! and a line here.
 
 mod backlash;
 mod channel_skew;

@@ -2,12 +2,12 @@
 
 use std::path::PathBuf;
 
+use diagnosis::physics::Physics;
+
 use super::Overwrite;
-use crate::effects::Physics;
 use crate::output::Output;
 use crate::precheck::{self, Purpose};
 use crate::read::{Machine, Recording};
-use crate::refit::model;
 use crate::report::compare::Comparison;
 use crate::{Error, output};
 
@@ -45,12 +45,12 @@ pub fn run(args: &Args) -> Result<(), Error> {
         args.recordings.iter().map(|file| Recording::of(file, &machine)).collect::<Result<_, _>>()?;
     let warnings = precheck::warnings(&machine, &recordings, &[], Purpose::Compare)?;
     let names: Vec<&str> = recordings.iter().map(|recording| recording.name.as_str()).collect();
-    let physics = Physics::of(&machine, &names)?;
+    let physics = Physics::nominal(&machine, &names);
     // All of them before the first picture: bad input writes nothing.
     let comparisons: Vec<Comparison> = recordings
         .iter()
         .enumerate()
-        .map(|(index, recording)| Comparison::new(&model(&physics, index), &machine.axis, recording))
+        .map(|(index, recording)| Comparison::new(&physics.model_of(index), &machine.axis, recording))
         .collect::<Result<_, _>>()?;
     let mut text: String = warnings.iter().map(|warning| format!("warning: {warning}\n")).collect();
     for ((recording, comparison), picture) in recordings.iter().zip(&comparisons).zip(pictures) {

@@ -3,13 +3,15 @@
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
+use diagnosis::effects::{VOCABULARY, find};
+
 use super::Overwrite;
 use crate::Error;
-use crate::conclude::{self, Request};
-use crate::decide::{self, Diagnosis};
+use crate::conclude::{self, Diagnosis, Request};
 use crate::output::{self, Output, Outputs, Provenance, formats};
 use crate::precheck::{self, Purpose};
 use crate::propose;
+use crate::read::vocabulary::CONTROLLER;
 use crate::read::{Machine, Recording};
 use crate::report::html::{PlotData, page};
 use crate::report::{self, Answer, Verdict};
@@ -44,9 +46,6 @@ pub struct Args {
     /// Never names these effects; separated by commas.
     #[arg(long, value_name = "ID", value_delimiter = ',')]
     without: Vec<String>,
-    /// Who decides: one likelihood, or the rules that it is to replace.
-    #[arg(long, value_enum, value_name = "JUDGE", default_value_t = Judge::Likelihood)]
-    judge: Judge,
     /// Ends with exit code 1 where the verdict is one of these; separated by commas.
     #[arg(long, value_enum, value_name = "VERDICT", value_delimiter = ',')]
     fail_on: Vec<Verdict>,
@@ -61,30 +60,6 @@ pub struct Args {
     /// Recordings to diagnose, CSV or Parquet.
     #[arg(required = true, value_name = "RECORDING")]
     recordings: Vec<PathBuf>,
-}
-
-/// Who decides.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-pub(super) enum Judge {
-    /// One likelihood, its confidence set and its goodness of fit.
-    Likelihood,
-    /// Forty-five rules grown on one simulated servo.
-    Rules,
-}
-
-impl Judge {
-    /// As the flag takes it.
-    pub(super) fn name(self) -> &'static str {
-        match self {
-            Self::Likelihood => "likelihood",
-            Self::Rules => "rules",
-        }
-    }
-}
-
-/// Identifiers that may be named.
-fn effects() -> impl Iterator<Item = &'static str> {
-    diagnosis::effects::VOCABULARY.iter().map(|effect| effect.id)
 }
 
 /// The outputs that were asked for.
@@ -142,8 +117,8 @@ impl Args {
     /// Refuses names that are no effect.
     fn check_ids(&self) -> Result<(), Error> {
         for id in self.only.iter().chain(&self.without) {
-            if effects().all(|known| known != id) && id != crate::read::vocabulary::CONTROLLER {
-                return Err(crate::effects::unknown(id));
+            if find(id).is_none() && id != CONTROLLER {
+                return Err(conclude::unknown_effect(id));
             }
         }
         Ok(())
@@ -161,18 +136,8 @@ impl Args {
         recordings: &[Recording],
         holdout: &[Recording],
     ) -> Result<Diagnosis, Error> {
-        match self.judge {
-            Judge::Likelihood => {
-                let all = diagnosis::effects::VOCABULARY.iter().copied();
-                let vocabulary: Vec<_> = all.filter(|effect| self.may_name(effect.id)).collect();
-                conclude::diagnose(&Request { machine, recordings, holdout, vocabulary: &vocabulary })
-            }
-            Judge::Rules => {
-                let all = crate::effects::VOCABULARY.iter().copied();
-                let vocabulary: Vec<_> = all.filter(|effect| self.may_name(effect.id)).collect();
-                decide::diagnose(&decide::Request { machine, recordings, holdout, vocabulary: &vocabulary })
-            }
-        }
+        let vocabulary: Vec<_> = VOCABULARY.iter().copied().filter(|effect| self.may_name(effect.id)).collect();
+        conclude::diagnose(&Request { machine, recordings, holdout, vocabulary: &vocabulary })
     }
 
     /// Whether the answer as JSON goes to standard output, and nothing else does.

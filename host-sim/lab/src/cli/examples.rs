@@ -47,9 +47,6 @@ Example:
 pub(super) const TUNE: &str = "\
 Example:
   servo-lab tune --machine machine.toml --phase-margin-deg 40 --out out/tune";
-pub(super) const GUIDE: &str = "\
-Example:
-  servo-lab guide --only coulomb_friction,backlash --out out/guide";
 pub(super) const DEMO: &str = "\
 Example:
   servo-lab demo";

@@ -4,9 +4,9 @@ use std::io::Write as _;
 use std::path::PathBuf;
 
 use clap::CommandFactory as _;
+use diagnosis::effects::VOCABULARY;
 
 use super::{Cli, Overwrite};
-use crate::effects::VOCABULARY;
 use crate::read::AxisKind;
 use crate::read::nearest;
 use crate::read::vocabulary::{self, Occurs};
@@ -71,7 +71,7 @@ pub fn help(args: &HelpArgs) -> Result<(), Error> {
 fn effects() -> String {
     let mut text = "What a diagnosis may name; parameters as a machine file has them in [[effects]].\n\n".to_owned();
     VOCABULARY.iter().for_each(|known| text += &effect(known.id, known.sentence));
-    text + "\nOf each, how it looks and how small it may be: servo-lab guide\n"
+    text
 }
 
 fn effect(id: &str, sentence: &str) -> String {

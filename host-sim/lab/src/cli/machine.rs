@@ -2,12 +2,11 @@
 
 use std::path::PathBuf;
 
+use diagnosis::physics::Physics;
 use plant::{Er, FieldResponse, FluidResponse, Model};
 
 use crate::Error;
-use crate::effects::Physics;
 use crate::read::{AxisKind, Machine};
-use crate::refit::model;
 
 /// Longest delay a flag may ask for, ms; that of machine files.
 const LONGEST_DELAY_MS: f64 = 1000.0;
@@ -63,7 +62,7 @@ impl MachineArgs {
                         "the control law drives a rotary axis; a linear machine can be compared, not simulated";
                     return Err(Error::input(file, None, "axis.kind", message));
                 }
-                (model(&Physics::of(&machine, &[])?, 0), machine.controller.unwrap_or_default())
+                (Physics::nominal(&machine, &[]).model_of(0), machine.controller.unwrap_or_default())
             }
         };
         if let Some(fluid) = self.fluid {

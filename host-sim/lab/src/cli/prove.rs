@@ -7,7 +7,6 @@ use std::time::Duration;
 use conceal::plan::{Arm, Blueprint, plan};
 
 use super::Overwrite;
-use super::diagnose::Judge;
 use crate::output::{Output, Outputs, Provenance, formats};
 use crate::prove::results::{self, Origin, Results};
 use crate::prove::run::{self, Ran, Settings};
@@ -63,9 +62,6 @@ pub struct Args {
     /// Threads of each diagnosis.
     #[arg(long, value_name = "N", default_value_t = 1)]
     jobs: usize,
-    /// Who decides.
-    #[arg(long, value_enum, value_name = "JUDGE", default_value_t = Judge::Likelihood)]
-    judge: Judge,
     /// Keeps the recordings.
     #[arg(long)]
     keep: bool,
@@ -161,7 +157,6 @@ impl Args {
                 // It runs in other folders.
                 program: named.unwrap_or_else(own)?,
                 jobs: self.jobs.max(1),
-                judge: self.judge.name(),
                 limit: Duration::from_secs(self.limit_s),
             },
             workers: self.workers.max(1),

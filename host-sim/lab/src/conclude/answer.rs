@@ -175,12 +175,6 @@ fn rejected(conclusion: &Conclusion) -> Vec<Rejected> {
 /// What the user should know before believing the answer.
 pub(super) fn warnings(conclusion: &Conclusion) -> Vec<String> {
     let mut warnings = Vec::new();
-    let noise = &conclusion.best.assessed.refitted.noise;
-    warnings.push(format!(
-        "judged by one-step prediction with torque noise that remembers {:.0} ms: what is slower than that is the model's to \
-         explain",
-        1e3 * noise.colour_s
-    ));
     if conclusion.verdict == judged::Verdict::Ambiguous {
         warnings.push(
             "what the alternatives predict differs by less than these recordings' noise; another motion or a direct \

@@ -1,17 +1,21 @@
-//! The answer from the statistical judge: recordings in, a conclusion of the crate `diagnosis`, the answer out.
+//! The diagnosis: recordings in, a conclusion of the crate `diagnosis`, the answer out.
 
 mod answer;
+mod controller;
+mod stretches;
 
-use diagnosis::effects::Effect;
+use diagnosis::effects::{Effect, VOCABULARY};
+use diagnosis::physics::Physics;
 use diagnosis::pipeline::diagnose as concluded;
 use diagnosis::problem::Problem;
 use diagnosis::recorded::Recorded;
 
+use self::controller::mismatch;
+use self::stretches::stretches;
 use crate::Error;
-use crate::decide::{self, Diagnosis, mismatch, stretches};
-use crate::effects::Physics;
 use crate::progress::Stages;
-use crate::read::{Axis, AxisKind, EffectEntry, Machine, Recording, position_step, vocabulary};
+use crate::propose::Proposal;
+use crate::read::{Axis, AxisKind, Machine, Recording, nearest, position_step};
 use crate::report::{Answer, Verdict};
 
 /// Steps of the position this many times those of the machine file are not its steps.
@@ -30,6 +34,28 @@ pub struct Request<'a> {
     pub holdout: &'a [Recording],
     /// Effects that may be named.
     pub vocabulary: &'a [&'static Effect],
+}
+
+/// The answer with what it was drawn from.
+#[derive(Debug)]
+pub struct Diagnosis {
+    /// As written to JSON.
+    pub answer: Answer,
+    /// The nominal machine; its pushes and phases are numbered as the recordings to fit and then those held out.
+    pub nominal: Physics,
+    /// The machine of the best hypothesis, numbered likewise.
+    pub improved: Physics,
+    /// What to record next, where the verdict is ambiguous.
+    pub proposal: Option<Proposal>,
+    /// How long each stage took.
+    pub stages: Stages,
+}
+
+/// That there is no effect `id`, with the nearest there is.
+pub fn unknown_effect(id: &str) -> Error {
+    let near = nearest(id, VOCABULARY.iter().map(|effect| effect.id));
+    let near = near.map_or_else(String::new, |near| format!("; the nearest is `{near}`"));
+    Error::Usage(format!("there is no effect `{id}`{near}; `servo-lab help effects` lists them"))
 }
 
 /// Diagnoses recordings with the likelihood as the only judge.
@@ -64,27 +90,8 @@ pub fn diagnose(request: &Request<'_>) -> Result<Diagnosis, Error> {
     answer.warnings = notes;
     answer.warnings.extend(answer::warnings(&conclusion));
     stages.done("answer");
-    let nominal = Physics::of(request.machine, &names)?;
-    let improved = improved(request.machine, &names, &answer)?;
-    let mut diagnosis = Diagnosis { answer, nominal, improved, proposal: None, stages };
-    if diagnosis.answer.verdict == Verdict::Ambiguous {
-        propose(request, &mut diagnosis);
-    }
-    Ok(diagnosis)
-}
-
-/// What to record next. Proposals still come from the judge by rules, which has a search of its own; where it proposes
-/// nothing, nothing is proposed.
-fn propose(request: &Request<'_>, diagnosis: &mut Diagnosis) {
-    let known = request.vocabulary.iter().filter_map(|effect| crate::effects::find(effect.id));
-    let vocabulary: Vec<_> = known.collect();
-    let Request { machine, recordings, holdout, .. } = *request;
-    let rules = decide::diagnose(&decide::Request { machine, recordings, holdout, vocabulary: &vocabulary });
-    if let Ok(found) = rules {
-        diagnosis.answer.experiment = found.answer.experiment;
-        diagnosis.proposal = found.proposal;
-    }
-    diagnosis.stages.done("propose");
+    let improved = conclusion.best.assessed.refitted.hypothesis.physics(&problem.nominal);
+    Ok(Diagnosis { answer, improved, nominal: problem.nominal, proposal: None, stages })
 }
 
 /// The machine with the step that its recordings show, where that is clearly coarser than the file says.
@@ -107,22 +114,8 @@ fn with_steps_of(machine: &Machine, files: &[&Recording], notes: &mut Vec<String
 fn problem(machine: &Machine, request: &Request<'_>, files: &[&Recording], notes: &mut Vec<String>) -> Problem {
     let read = stretches(files, notes);
     let names: Vec<&str> = read.iter().map(|file| file.name.as_str()).collect();
-    let nominal = diagnosis::physics::Physics::nominal(machine, &names);
+    let nominal = Physics::nominal(machine, &names);
     let recorded = read.iter().map(Recorded::new).collect();
     let linear = machine.axis.kind == AxisKind::Linear;
     Problem::new(nominal, recorded, request.recordings.len(), machine.axis.resolution, linear)
-}
-
-/// The machine with the effects of the answer, for the pictures.
-fn improved(machine: &Machine, names: &[&str], answer: &Answer) -> Result<Physics, Error> {
-    let mut with = machine.clone();
-    for effect in answer.effects.iter().filter(|effect| vocabulary::effect(&effect.id).is_some()) {
-        // What belongs to the log and not to the machine is no part of the model that is drawn.
-        if crate::effects::find(&effect.id).is_none() {
-            continue;
-        }
-        let parameters = effect.parameters.iter().map(|parameter| (parameter.id.clone(), parameter.value)).collect();
-        with.effects.push(EffectEntry { id: effect.id.clone(), parameters, recording: effect.recording.clone() });
-    }
-    Physics::of(&with, names)
 }

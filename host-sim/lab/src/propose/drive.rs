@@ -1,23 +1,27 @@
 //! A model in closed loop along a reference: the commands and the states that every rival then starts its windows from.
 
+use diagnosis::recorded::{ACTS_S, commands};
+use diagnosis::windows::HORIZONS_S;
 use er_servo::Config;
 use plant::{Command, Model, Plant, State};
 
+use super::Limits;
 use super::menu::Item;
-use super::{Limits, Rival};
 use crate::Error;
 use crate::read::{AxisKind, Machine, Recording};
-use crate::refit::{HORIZON_S, model};
-use crate::residual::{recorded_commands, residual};
+use crate::residual::residual;
 use crate::simulate::{Reference, Setup, period_s, run};
 
 /// Commands along a motion, and the states at the first rows of its windows.
 #[derive(Debug, Clone)]
-pub(super) struct Motion {
+pub struct Motion {
+    /// s.
     pub t_s: Vec<f64>,
+    /// One a row, each held to the next.
     pub commands: Vec<Command>,
     /// Held since ever when the first command came.
     pub before: Command,
+    /// Where the windows start.
     pub starts: Vec<Start>,
     /// Rows of a window.
     pub rows: usize,
@@ -27,31 +31,43 @@ pub(super) struct Motion {
 
 /// Where a window starts.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Start {
+pub struct Start {
+    /// Index of the row.
     pub row: usize,
+    /// State of the machine there.
     pub state: State,
+    /// Index of the block it is counted in.
     pub block: usize,
 }
 
+/// Length of the windows of a comparison, s.
+const HORIZON_S: f64 = HORIZONS_S[0];
 /// Length of the blocks that are compared, s.
 const BLOCK_S: f64 = 0.4;
 /// Every second window is enough to predict with.
-pub(super) const STRIDE: usize = 2;
-/// What was commanded before the first row of a recording acts this long, s.
-const SETTLE_S: f64 = 0.03;
+pub const STRIDE: usize = 2;
 
 /// What closes the loop.
 #[derive(Debug, Clone, Copy)]
-pub(super) enum Loop {
+pub enum Loop {
     /// The flashed law.
     Law(Config),
     /// A plain PD on the true state, without field: where the controller of a machine is not known.
-    Pd { stiffness: f64, damping: f64, torque_limit: f64, period_s: f64 },
+    Pd {
+        /// N m/rad (N/m).
+        stiffness: f64,
+        /// N m s/rad (N s/m).
+        damping: f64,
+        /// N m (N).
+        torque_limit: f64,
+        /// Time from one command to the next, s.
+        period_s: f64,
+    },
 }
 
 impl Loop {
     /// The law, or for a machine that has none a PD of the paper's gains for its delay.
-    pub(super) fn of(machine: &Machine, limits: &Limits) -> Self {
+    pub fn of(machine: &Machine, limits: &Limits) -> Self {
         if let Some(config) = law_of(machine) {
             return Self::Law(config);
         }
@@ -68,7 +84,7 @@ impl Loop {
     }
 
     /// Torque over error, N m/rad (N/m).
-    pub(super) fn stiffness(&self) -> f64 {
+    pub fn stiffness(&self) -> f64 {
         match self {
             Self::Law(config) => f64::from(config.kp_nm_rad),
             Self::Pd { stiffness, .. } => *stiffness,
@@ -76,24 +92,23 @@ impl Loop {
     }
 
     /// Control period, s.
-    pub(super) fn period_s(&self) -> f64 {
+    pub fn period_s(&self) -> f64 {
         match self {
             Self::Law(config) => period_s(config),
             Self::Pd { period_s, .. } => *period_s,
         }
     }
 
-    /// The motion of a rival along a reference; none where it cannot be run, or trips.
-    pub(super) fn motion(&self, rival: &Rival, item: &Item) -> Option<Motion> {
-        let model = model(&rival.in_a_new_recording(), 0);
+    /// The motion of a model along a reference; none where it cannot be run, or trips.
+    pub fn motion(&self, model: &Model, item: &Item) -> Option<Motion> {
         let reference = Reference::Experiment(item.experiment);
         let period_s = self.period_s();
         let positions = reference.positions(period_s).ok()?;
         let (commands, states) = match self {
-            Self::Law(config) => law(&model, config, positions.collect()).ok()??,
+            Self::Law(config) => law(model, config, positions.collect()).ok()??,
             Self::Pd { stiffness, damping, torque_limit, .. } => {
                 let reference: Vec<f64> = positions.map(|counts| counts.to_rad() * item.unit).collect();
-                pd(&model, &reference, [*stiffness, *damping, *torque_limit], period_s).ok()?
+                pd(model, &reference, [*stiffness, *damping, *torque_limit], period_s).ok()?
             }
         };
         let t_s: Vec<f64> = (0..commands.len()).map(|row| row as f64 * period_s).collect();
@@ -107,13 +122,13 @@ impl Loop {
 }
 
 /// Rows of a window at that sampling, s.
-pub(super) fn rows(period_s: f64) -> usize {
+pub fn rows(period_s: f64) -> usize {
     (HORIZON_S / period_s).round().max(10.0) as usize
 }
 
 /// The law that will run an experiment: that of the machine file; a rotary axis with a damper has the flashed law even where
 /// the file does not say, as `simulate` has it.
-pub(super) fn law_of(machine: &Machine) -> Option<Config> {
+pub fn law_of(machine: &Machine) -> Option<Config> {
     let servo = machine.axis.kind == AxisKind::Rotary && machine.plant.er.is_some();
     machine.controller.filter(|_| machine.axis.kind == AxisKind::Rotary).or(servo.then(Config::default))
 }
@@ -171,16 +186,16 @@ fn pd(model: &Model, reference: &[f64], gains: [f64; 3], period_s: f64) -> Resul
 }
 
 impl Motion {
-    /// The motion of a recording, its window starts estimated under a rival: what repeating it would tell.
+    /// The motion of a recording, its window starts estimated under a model: what repeating it would tell.
     ///
     /// # Errors
     /// A recording too short for one window, or a machine that cannot be simulated.
-    pub(super) fn recorded(recording: &Recording, rival: &Rival) -> Result<Self, Error> {
-        let left = residual(&model(&rival.in_a_new_recording(), 0), recording, HORIZON_S)?;
-        let commands = recorded_commands(recording);
+    pub fn recorded(recording: &Recording, model: &Model) -> Result<Self, Error> {
+        let left = residual(model, recording, HORIZON_S)?;
+        let commands = commands(recording);
         let rows = left.windows.iter().map(|window| window.end - window.start).min().unwrap_or(0);
         let first_s = recording.t_s[0];
-        let settled = left.windows.iter().filter(|window| recording.t_s[window.start] >= first_s + SETTLE_S);
+        let settled = left.windows.iter().filter(|window| recording.t_s[window.start] >= first_s + ACTS_S);
         let starts: Vec<Start> = settled
             .step_by(STRIDE)
             .map(|window| Start {

@@ -18,8 +18,6 @@ pub struct Tool {
     pub program: PathBuf,
     /// Threads of each diagnosis.
     pub jobs: usize,
-    /// Who decides, as `diagnose --judge` takes it.
-    pub judge: &'static str,
     /// A diagnosis that takes longer is ended, and its case counts as not answered.
     pub limit: Duration,
 }
@@ -50,7 +48,7 @@ impl Tool {
         let file = format!("{name}.json");
         let mut command = Command::new(&self.program);
         command.current_dir(folder).args(["diagnose", "--machine", question.machine, "--json", &file]);
-        command.arg("--jobs").arg(self.jobs.to_string()).args(["--judge", self.judge]);
+        command.arg("--jobs").arg(self.jobs.to_string());
         command.args(["--experiment", &format!("{name}.experiment.csv")]);
         for held_out in &question.holdout {
             command.args(["--holdout", held_out]);

@@ -1,4 +1,4 @@
-//! The answer as JSON has it (`diagnosis.md`, schema 1).
+//! The answer as JSON has it (`diagnosis.md`, schema 2).
 
 use serde::{Deserialize, Serialize};
 
@@ -34,7 +34,7 @@ impl Verdict {
 /// The whole answer.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Answer {
-    /// 1.
+    /// 2.
     pub schema: u32,
     /// The conclusion.
     pub verdict: Verdict,
@@ -44,9 +44,6 @@ pub struct Answer {
     pub fit: FitAnswer,
     /// Spans of time in which the nominal model fails most.
     pub locations: Vec<Location>,
-    /// In each recording the first sample that the nominal model cannot explain.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub first_unexplained: Vec<FirstUnexplained>,
     /// Ranges of state in which it fails most.
     pub regions: Vec<Region>,
     /// What was tried and not taken.
@@ -58,15 +55,6 @@ pub struct Answer {
     pub remainder: Option<RemainderAnswer>,
     /// What the user should know before believing this.
     pub warnings: Vec<String>,
-    /// Residual torque over state, where nothing explains it.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub residual_map: Vec<ResidualMap>,
-    /// The best sparse formula for what no effect explains, where one predicts held-out data.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub formula: Option<Formula>,
-    /// The effect that comes closest, where none explains it.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub closest: Option<Closest>,
 }
 
 /// What the best model leaves and a channel predicts. The values of the effects may have absorbed some of it.
@@ -198,17 +186,6 @@ pub struct Region {
     pub share_high: f64,
 }
 
-/// The first sample of a recording that noise does not explain.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct FirstUnexplained {
-    /// Name of the recording.
-    pub recording: String,
-    /// Its row, the first is 1.
-    pub row: usize,
-    /// s.
-    pub t_s: f64,
-}
-
 /// An effect that was tried and not taken.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Rejected {
@@ -229,62 +206,4 @@ pub struct Experiment {
     pub separates: Vec<String>,
     /// The reference to play, where one was written.
     pub reference_csv: Option<String>,
-}
-
-/// Residual torque over one channel.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-pub struct ResidualMap {
-    /// Channel with its unit.
-    pub channel: String,
-    /// Centres of the bins.
-    pub at: Vec<f64>,
-    /// Mean residual torque in each bin, N m (N).
-    pub mean: Vec<f64>,
-    /// Half-width of its 95 % band.
-    pub band: Vec<f64>,
-    /// Share of the residual's squares that these means predict in blocks they were not taken from, 1; maps are ordered
-    /// by it.
-    #[serde(default)]
-    pub predicts: f64,
-}
-
-/// A sum of functions of state that acts on the axis beside the model, N m (N).
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Formula {
-    /// With values, units and what its letters mean.
-    pub text: String,
-    /// Its terms, the most telling first.
-    pub terms: Vec<FormulaTerm>,
-    /// Effects of the best model that it stands beside; empty where it stands beside the nominal model alone.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub on_top_of: Vec<String>,
-    /// Relative fall of the held-out root mean square that it brings to that model, 1.
-    pub heldout_gain: f64,
-    /// Share of the nominal model's excess over the noise that model and formula explain together, 1.
-    pub excess_explained: f64,
-}
-
-/// One term of a formula.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct FormulaTerm {
-    /// The function without its coefficient; a parameter of its own is called p.
-    pub text: String,
-    /// Its coefficient, or amplitude and phase; then its own parameter, if it has one.
-    pub parameters: Vec<Interval>,
-}
-
-/// The single effect of the vocabulary that explains most.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Closest {
-    /// Identifier.
-    pub id: String,
-    /// Share of the nominal model's excess over the noise that it alone explains, 1.
-    pub excess_explained: f64,
-    /// Share that it leaves, 1.
-    pub left: f64,
-    /// Where it leaves most.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub region: Option<Region>,
-    /// In words.
-    pub text: String,
 }

@@ -2,6 +2,7 @@
 
 use std::fmt::{Display, Formatter};
 
+use diagnosis::windows::HORIZONS_S;
 use plant::Model;
 
 use super::Units;
@@ -10,10 +11,10 @@ use crate::plot::{Figure, Mark, Panel, Series};
 use crate::read::{Axis, Recording};
 use crate::residual::{Channel, Map, Orders, Residual, Window, residual, sensor_noise};
 
-/// Length of the shorter windows, s (diagnosis.md: two residuals that work), where ten rows take no longer;
-pub const HORIZON_S: f64 = 0.05;
+/// Length of the shorter windows, s, where ten rows take no longer;
+pub const HORIZON_S: f64 = HORIZONS_S[0];
 /// the longer ones are so many times that.
-const LONGER: f64 = 4.0;
+const LONGER: f64 = HORIZONS_S[1] / HORIZONS_S[0];
 /// Windows named as the worst.
 const WORST: usize = 5;
 

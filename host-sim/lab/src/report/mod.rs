@@ -8,8 +8,8 @@ mod text;
 mod units;
 
 pub use answer::{
-    Answer, Closest, EffectAnswer, Evidence, Experiment, FirstUnexplained, FitAnswer, Formula, FormulaTerm, Interval,
-    Location, PredictorAnswer, Region, Rejected, RemainderAnswer, ResidualMap, Verdict,
+    Answer, EffectAnswer, Evidence, Experiment, FitAnswer, Interval, Location, PredictorAnswer, Region, Rejected,
+    RemainderAnswer, Verdict,
 };
 pub use improved::improved_machine;
 pub use text::summary;

@@ -22,9 +22,6 @@ fn write_summary(text: &mut String, answer: &Answer) -> std::fmt::Result {
         Verdict::Controller => "The recorded commands are not what this control law computes; no physics is named.",
     };
     writeln!(text, "{headline}")?;
-    if answer.verdict == Verdict::Unknown {
-        write_unknown(text, answer)?;
-    }
     if !answer.verdict.believes_its_effects() && !answer.effects.is_empty() {
         writeln!(text, "\nFitted, but not believed:")?;
     }
@@ -113,33 +110,6 @@ fn write_remainder(text: &mut String, left: &RemainderAnswer) -> std::fmt::Resul
             "  {} predicts {share} % of its squares (p = {p:.1e}), {:.3} {} rms",
             one.channel, one.effort_rms, left.unit
         )?;
-    }
-    Ok(())
-}
-
-/// What comes closest, where the residual maps point, and the formula.
-fn write_unknown(text: &mut String, answer: &Answer) -> std::fmt::Result {
-    if let Some(closest) = &answer.closest {
-        writeln!(text, "{}.", closest.text)?;
-    }
-    if let Some(map) = answer.residual_map.first().filter(|map| map.predicts > 0.0) {
-        let share = 100.0 * map.predicts;
-        writeln!(
-            text,
-            "What the best model leaves follows {}: its map predicts {share:.0} % of the squares.",
-            map.channel
-        )?;
-    }
-    let Some(formula) = &answer.formula else {
-        return writeln!(text, "No sparse formula for the residual predicts held-out data.");
-    };
-    let beside =
-        if formula.on_top_of.is_empty() { "the nominal model".to_owned() } else { formula.on_top_of.join(" with ") };
-    let (gain, explained) = (per_cent(formula.heldout_gain), per_cent(formula.excess_explained));
-    writeln!(text, "Missing beside {beside}: {}", formula.text)?;
-    writeln!(text, "  held-out error {gain} % less, {explained} % of the excess explained")?;
-    for p in formula.terms.iter().flat_map(|term| &term.parameters) {
-        writeln!(text, "  {} = {:.6} ({:.6} to {:.6}) {}", p.id, p.value, p.low, p.high, p.unit)?;
     }
     Ok(())
 }

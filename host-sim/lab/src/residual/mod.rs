@@ -1,9 +1,9 @@
-//! Fourth stage: what a model, driven by the recorded commands, leaves unexplained of the recorded position.
+//! What a model, driven by the recorded commands, leaves unexplained of the recorded position.
 //!
 //! Tracking error is blind and a replay of the whole recording diverges, as the plant integrates. So the model runs in short
 //! windows, and the state each window starts from is estimated.
 
-mod commands;
+mod gaps;
 mod map;
 mod noise;
 mod orders;
@@ -13,12 +13,7 @@ pub(crate) mod testing;
 mod unknowns;
 mod window;
 
-pub use commands::recorded_commands;
-pub(crate) use commands::unsettled;
 pub use map::{Bin, Channel, Map};
 pub use noise::sensor_noise;
 pub use orders::{Order, Orders};
-pub(crate) use start_state::curvature;
-pub(crate) use unknowns::Unknowns;
-pub use window::{Residual, Window, residual, residual_from};
-pub(crate) use window::{horizon_s, median_period_s, no_window, spans};
+pub use window::{Residual, Window, residual};

@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 use plant::{Error, Mechanics, State, Timeline};
 
-use super::Unknowns;
+use super::unknowns::Unknowns;
 
 /// Trials of a descent. A window whose start is well known takes three; one that comes to rest soon after its start, where
 /// the way changes with the square of the speed, up to ten.
@@ -27,29 +27,23 @@ pub(super) struct StartState<'a> {
     pub measured: &'a [f64],
     /// What is sought.
     pub unknowns: Unknowns,
-    /// First guess of what no sensor shows; its position and speed are not looked at.
-    pub inside: State,
 }
 
 impl StartState<'_> {
     /// The best state at the first row, and the positions the model has from it, rad (m).
     ///
     /// `speed_guess` comes from around the start. From there, from the mean motion and from rest: a model that sticks has no
-    /// slope to follow from one to the other. Nor has a load in its gap from one side to the other: two ways that end alike are
-    /// believed, so the second begins with another load too.
+    /// slope to follow from one to the other. Nor has a load in its gap from one side to the other: each is tried. Two ways
+    /// that end alike are believed.
     pub(super) fn estimate(&self, speed_guess: f64) -> Result<(State, Vec<f64>), Error> {
         let (first, slope) = line(self.t_s, self.measured);
         let mean = self.measured.iter().sum::<f64>() / self.measured.len() as f64;
         let (near, rest, mean_motion) = ([self.measured[0], speed_guess], [mean, 0.0], [first, slope]);
-        let free = State::default();
-        let pack = |rotor, inside| self.unknowns.pack(rotor, inside);
-        let mut guesses = [near, rest, mean_motion].map(|rotor| pack(rotor, &self.inside)).to_vec();
-        let sides = self.unknowns.touching(near, self.inside);
-        if !sides.is_empty() {
-            guesses.insert(1, pack(mean_motion, &free));
-            guesses.insert(3, pack(near, &free));
-            guesses.extend(sides);
-        }
+        // What no sensor shows begins unstrained.
+        let inside = State::default();
+        let pack = |rotor| self.unknowns.pack(rotor, &inside);
+        let mut guesses = [near, rest, mean_motion].map(pack).to_vec();
+        guesses.extend(self.unknowns.touching(near, inside));
         let mut best: Option<Descent> = None;
         for guess in guesses {
             let descent = self.descend(guess)?;
@@ -62,7 +56,7 @@ impl StartState<'_> {
                 break;
             }
         }
-        let best = best.map_or_else(|| self.at(pack(mean_motion, &self.inside)), Ok)?;
+        let best = best.map_or_else(|| self.at(pack(mean_motion)), Ok)?;
         let best = self.mended(best)?;
         Ok((self.unknowns.unpack(&best.at), best.simulated))
     }
@@ -167,7 +161,7 @@ pub(super) fn line(t_s: &[f64], values: &[f64]) -> (f64, f64) {
 }
 
 /// Second derivative of the least-squares parabola: the projection on the part of t^2/2 that a line cannot follow.
-pub(crate) fn curvature(t_s: &[f64], values: &[f64]) -> f64 {
+pub(super) fn curvature(t_s: &[f64], values: &[f64]) -> f64 {
     let half_squares: Vec<f64> = t_s.iter().map(|t| 0.5 * (t - t_s[0]) * (t - t_s[0])).collect();
     let (first, slope) = line(t_s, &half_squares);
     let (mut products, mut squares) = (0.0, 0.0);
@@ -219,7 +213,6 @@ mod tests {
                 t_s: &t_s,
                 measured: &measured,
                 unknowns: Unknowns::of(&model),
-                inside: State::default(),
             };
             let (state, simulated) = window.estimate(speed_at(&t_s, &measured, 0, 0, 100)).unwrap();
             let worst = measured.iter().zip(&simulated).map(|(m, s)| (m - s).abs()).fold(0.0, f64::max);

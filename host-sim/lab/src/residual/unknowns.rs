@@ -17,7 +17,7 @@ const NO_HIDDEN: f64 = 1e-3;
 /// The start state of a window as unknowns, in this order: position and speed of the rotor, and of what the machine has
 /// inside, the load's twist and the rate of that, the torque of the dry bristle, the torque of the fluid's spring.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Unknowns {
+pub(super) struct Unknowns {
     /// Which of the four the machine has inside.
     has: [bool; 4],
     /// Free play of the load, rad (m).
@@ -27,7 +27,7 @@ pub(crate) struct Unknowns {
 
 impl Unknowns {
     /// Of a machine.
-    pub(crate) fn of(model: &Model) -> Self {
+    pub(super) fn of(model: &Model) -> Self {
         let shaft = model.shaft.filter(|shaft| shaft.inertia_ratio > 0.0);
         let (load, bristle) = (shaft.is_some(), model.presliding_stiffness.is_some());
         let spring = model.er.as_ref().is_some_and(|er| er.preyield_stiffness.is_some());
@@ -40,13 +40,13 @@ impl Unknowns {
     }
 
     /// The unknowns of a rotor with this position and speed, and what is `inside` a state.
-    pub(crate) fn pack(&self, rotor: [f64; 2], inside: &State) -> DVector<f64> {
+    pub(super) fn pack(&self, rotor: [f64; 2], inside: &State) -> DVector<f64> {
         let inside = [inside.twist, inside.twist_rate, inside.bristle_torque, inside.spring_torque];
         DVector::from_vec(rotor.into_iter().chain(self.held(inside)).collect())
     }
 
     /// The state that has the values of the unknowns.
-    pub(crate) fn unpack(&self, values: &DVector<f64>) -> State {
+    pub(super) fn unpack(&self, values: &DVector<f64>) -> State {
         let mut state = State::new(values[0], values[1]);
         let State { twist, twist_rate, bristle_torque, spring_torque, .. } = &mut state;
         let inside = self.held([twist, twist_rate, bristle_torque, spring_torque]);
@@ -55,7 +55,7 @@ impl Unknowns {
     }
 
     /// The unknowns of a rotor beside a load that touches either end of its gap; none without one.
-    pub(crate) fn touching(&self, rotor: [f64; 2], inside: State) -> Vec<DVector<f64>> {
+    pub(super) fn touching(&self, rotor: [f64; 2], inside: State) -> Vec<DVector<f64>> {
         let at = |twist| {
             let mut inside = inside;
             inside.twist = twist;
@@ -72,7 +72,7 @@ impl Unknowns {
 
     /// Steps of the difference quotients, for a window of `span_s` over a way of `travel`, rad (m), that starts with `speed`,
     /// rad/s (m/s).
-    pub(crate) fn steps(&self, span_s: f64, travel: f64, speed: f64) -> Vec<f64> {
+    pub(super) fn steps(&self, span_s: f64, travel: f64, speed: f64) -> Vec<f64> {
         let way = ASIDE * travel.max(speed.abs() * span_s).max(LEAST_TRAVEL);
         let units = self.units(span_s).enumerate();
         units.map(|(place, unit)| unit * if place < 2 { way } else { way.min(HIDDEN_ASIDE) }).collect()
@@ -80,7 +80,7 @@ impl Unknowns {
 
     /// What is added to the squares of the derivatives by each unknown, where those by the position have the sum `square`:
     /// an unknown that makes no difference stays where it is.
-    pub(crate) fn stays(&self, span_s: f64, square: f64) -> Vec<f64> {
+    pub(super) fn stays(&self, span_s: f64, square: f64) -> Vec<f64> {
         let units = self.units(span_s).enumerate();
         let nothing = |place: usize| [0.0, NO_SPEED].get(place).copied().unwrap_or(NO_HIDDEN);
         units.map(|(place, unit)| square * (nothing(place) / unit).powi(2)).collect()

@@ -1,14 +1,12 @@
 //! Short windows of the model against the recording.
 
-use std::sync::Arc;
-use std::sync::atomic::AtomicU64;
-
+use diagnosis::recorded::commands;
 use plant::{Command, Mechanics, Model, State, Timeline};
 use rayon::prelude::*;
 
-use super::Unknowns;
-use super::commands::{recorded_commands, unsettled};
+use super::gaps::unsettled;
 use super::start_state::{StartState, curvature, line, speed_at};
+use super::unknowns::Unknowns;
 use crate::Error;
 use crate::progress::Progress;
 use crate::read::Recording;
@@ -80,20 +78,20 @@ impl Residual {
 const LEAST_ROWS: f64 = 10.0;
 
 /// Length of the windows of a recording, s: as wished, or as long as enough rows take.
-pub(crate) fn horizon_s(recording: &Recording, wished_s: f64) -> f64 {
+fn horizon_s(recording: &Recording, wished_s: f64) -> f64 {
     // Whole microseconds: the last digits of jittered times are no part of a length that is told.
     wished_s.max((1e6 * LEAST_ROWS * median_period_s(&recording.t_s)).round() / 1e6)
 }
 
 /// Median time from row to row, s; 1 ms without two rows.
-pub(crate) fn median_period_s(t_s: &[f64]) -> f64 {
+fn median_period_s(t_s: &[f64]) -> f64 {
     let mut spans: Vec<f64> = t_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
     spans.sort_by(f64::total_cmp);
     spans.get(spans.len() / 2).copied().unwrap_or(1e-3)
 }
 
 /// In words, why a recording has no window of that length, s.
-pub(crate) fn no_window(recording: &Recording, horizon_s: f64) -> String {
+fn no_window(recording: &Recording, horizon_s: f64) -> String {
     let name = &recording.name;
     let length_s = recording.t_s.last().unwrap_or(&0.0) - recording.t_s.first().unwrap_or(&0.0);
     let window = format!("a window of {} rows takes {horizon_s:.3} s", LEAST_ROWS);
@@ -104,39 +102,25 @@ pub(crate) fn no_window(recording: &Recording, horizon_s: f64) -> String {
     format!("{name}: {gaps} gaps, no two of which are far enough apart: {window}; record without losing rows")
 }
 
-/// Runs `model` over `recording` in windows of `horizon_s`, or of ten rows where those are longer, each from its best start state, bristles and load included.
+/// Runs `model` over `recording` in windows of `horizon_s`, or of ten rows where those are longer, each from its best start state,
+/// bristles and load included.
 ///
 /// # Errors
 /// A recording too short for one window, or a model the plant refuses.
 pub fn residual(model: &Model, recording: &Recording, horizon_s: f64) -> Result<Residual, Error> {
-    residual_from(model, recording, horizon_s, &|_| State::default(), &Arc::default())
-}
-
-/// The same where the state inside the machine (bristles, a load behind a shaft) is about known at the row a window starts
-/// with: the estimate begins with what `inside` gives. The steps of the simulations are added to `work`.
-///
-/// # Errors
-/// As [`residual`].
-pub fn residual_from(
-    model: &Model,
-    recording: &Recording,
-    horizon_s: f64,
-    inside: &(dyn Fn(usize) -> State + Sync),
-    work: &Arc<AtomicU64>,
-) -> Result<Residual, Error> {
     let unusable = |error: plant::Error| Error::Usage(format!("{}: {error}", recording.name));
-    let commands = recorded_commands(recording);
+    let commands = commands(recording);
     // A recording cut from the middle was driven before its first row; its first command is the best guess.
     let before = commands.first().copied().unwrap_or_default();
     let before = Command { speed_estimate: 0.0, ..before };
     let timeline = Timeline::new(model, &recording.t_s, &commands, &before).map_err(unusable)?;
-    let mechanics = Mechanics::new(model).map_err(unusable)?.counting(work);
+    let mechanics = Mechanics::new(model).map_err(unusable)?;
     let horizon_s = self::horizon_s(recording, horizon_s);
     let spans = spans(recording, horizon_s);
     if spans.is_empty() {
         return Err(Error::Usage(no_window(recording, horizon_s)));
     }
-    let fit = Fit { mechanics: &mechanics, timeline: &timeline, recording, model, inside };
+    let fit = Fit { mechanics: &mechanics, timeline: &timeline, recording, model };
     let what = format!("{}, windows of {:.0} ms", recording.name, 1e3 * horizon_s);
     let progress = Progress::new(&what, spans.len() as u64);
     let window = |(start, end)| fit.window(start, end).inspect(|_| progress.advance(1));
@@ -146,7 +130,7 @@ pub fn residual_from(
 
 /// Rows of back-to-back windows; a window that would cross a gap, hold fewer than eight rows, or begin where commands lost in
 /// a gap still act, is left out.
-pub(crate) fn spans(recording: &Recording, horizon_s: f64) -> Vec<(usize, usize)> {
+fn spans(recording: &Recording, horizon_s: f64) -> Vec<(usize, usize)> {
     let t_s = &recording.t_s;
     let unsettled = unsettled(recording);
     let mut spans = Vec::new();
@@ -176,7 +160,6 @@ struct Fit<'a> {
     timeline: &'a Timeline,
     recording: &'a Recording,
     model: &'a Model,
-    inside: &'a (dyn Fn(usize) -> State + Sync),
 }
 
 impl Fit<'_> {
@@ -193,7 +176,6 @@ impl Fit<'_> {
             t_s,
             measured,
             unknowns: Unknowns::of(self.model),
-            inside: (self.inside)(start),
         };
         let (state, simulated) = window.estimate(speed_guess)?;
         let residual: Vec<f64> = measured.iter().zip(&simulated).map(|(m, s)| m - s).collect();

@@ -1,7 +1,8 @@
 //! What the tool must say of recordings whose truth is known.
 
-use lab::effects::{Physics, Pulse};
+use diagnosis::physics::{Physics, Push};
 use lab::report::Verdict;
+use plant::effects::Pulse;
 
 use crate::cases::{answer, recordings};
 
@@ -15,7 +16,7 @@ fn nothing_is_named_where_nothing_is_missing() {
 #[test]
 #[cfg_attr(debug_assertions, ignore = "a minute without optimisation; the tests in release run it")]
 fn dry_friction_is_named_alone_and_its_interval_holds_the_truth() {
-    let answer = answer(&recordings(&|physics| physics.coulomb = 0.95, 12, 0.05), "");
+    let answer = answer(&recordings(&|physics| physics.model.coulomb = 0.95, 12, 0.05), "");
     assert_eq!(answer.verdict, Verdict::Named, "{answer:?}");
     assert_eq!(answer.effects.len(), 1, "{answer:?}");
     let effect = &answer.effects[0];
@@ -25,13 +26,13 @@ fn dry_friction_is_named_alone_and_its_interval_holds_the_truth() {
     assert!(answer.fit.heldout_after_rms < answer.fit.heldout_before_rms);
 }
 
-/// The torque balance of what moves does not show it; simulation does.
 #[test]
 #[cfg_attr(debug_assertions, ignore = "a minute without optimisation; the tests in release run it")]
 fn a_push_against_a_rotor_at_rest_is_named_with_its_time_and_size() {
     let truth = [3.1, 0.12, 2.0];
-    let push = Pulse { recording: 0, start_s: truth[0], duration_s: truth[1], amplitude: truth[2] };
-    let answer = answer(&recordings(&|physics| physics.pulses.push(push), 13, 0.05), "");
+    let pulse = Pulse { start_s: truth[0], duration_s: truth[1], amplitude: truth[2] };
+    let push = Push { recording: 0, pulse };
+    let answer = answer(&recordings(&|physics| physics.pushes.push(push), 13, 0.05), "");
     assert_eq!(answer.verdict, Verdict::Named, "{answer:?}");
     let [effect] = answer.effects.as_slice() else { panic!("{:?}", answer.effects) };
     assert_eq!((effect.id.as_str(), effect.recording.as_deref()), ("disturbance_pulse", Some("a.csv")));
@@ -45,8 +46,8 @@ fn a_push_against_a_rotor_at_rest_is_named_with_its_time_and_size() {
 #[cfg_attr(debug_assertions, ignore = "a minute without optimisation; the tests in release run it")]
 fn a_strength_and_an_inertia_are_no_scale_of_the_drive() {
     let change = |physics: &mut Physics| {
-        physics.inertia = 0.0814;
-        physics.damper.as_mut().unwrap().scale = 1.184;
+        physics.model.inertia = 0.0814;
+        physics.model.er.as_mut().unwrap().scale = 1.184;
     };
     let answer = answer(&recordings(&change, 15, 0.015), "");
     let mut found: Vec<&str> = answer.effects.iter().map(|effect| effect.id.as_str()).collect();

@@ -1,12 +1,12 @@
 //! Recordings with something left out of the model.
 
 use analysis::simulate::{Reference, Setup, record, run};
+use diagnosis::effects::VOCABULARY;
+use diagnosis::physics::Physics;
 use er_servo::Config;
 use er_servo::experiment::{Experiment, Shape};
-use lab::decide::{Request, diagnose};
-use lab::effects::{Physics, VOCABULARY};
+use lab::conclude::{Request, diagnose};
 use lab::read::{Axis, AxisKind, ErNominal, Machine, PlantNominal, Recording};
-use lab::refit::model;
 use lab::report::Answer;
 
 /// The default machine of the specification.
@@ -36,7 +36,7 @@ pub const COUNT_RAD: f64 = std::f64::consts::TAU / 491_520.0;
 
 /// The default machine in numbers.
 pub fn nominal() -> Physics {
-    Physics::of(&machine(COUNT_RAD), &[]).unwrap()
+    Physics::nominal(&machine(COUNT_RAD), &[])
 }
 
 /// Three recordings of 8 s of a machine: two to fit, one held out.
@@ -67,7 +67,7 @@ pub fn recorded_as(
     let named = shapes.into_iter().zip(["a.csv", "b.csv", "c.csv"]).enumerate();
     let record_one = |(index, (shape, name)): (usize, (Shape, &str))| {
         let setup = Setup {
-            model: model(physics, index),
+            model: physics.model_of(index),
             config: Config::default(),
             disturbances: Vec::new(),
             sensor_noise_rad: 0.0,

@@ -1,7 +1,7 @@
 //! How often 95 % intervals hold the truth, with the structure known. Run by name; it prints.
 
-use lab::decide::{Request, diagnose};
-use lab::effects::find;
+use diagnosis::effects::find;
+use lab::conclude::{Request, diagnose};
 
 use crate::cases::{COUNT_RAD, machine, recordings};
 

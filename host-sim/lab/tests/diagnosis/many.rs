@@ -2,8 +2,9 @@
 //! as a few cases in every run, and as all of them by name:
 //! `cargo test --release -p lab --test diagnosis many -- --ignored --nocapture`.
 
+use diagnosis::effects::find;
+use diagnosis::physics::Physics;
 use er_servo::experiment::Shape;
-use lab::effects::{Physics, find};
 use lab::read::Recording;
 use lab::report::{Answer, Verdict};
 

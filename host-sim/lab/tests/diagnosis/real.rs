@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use lab::decide::{Request, diagnose};
-use lab::effects::VOCABULARY;
+use diagnosis::effects::VOCABULARY;
+use lab::conclude::{Request, diagnose};
 use lab::read::{Machine, Recording};
 use lab::report::Answer;
 

@@ -1,6 +1,7 @@
 //! Each effect of the vocabulary alone, clear and half as large: it comes first, and its intervals hold the truth.
 
-use lab::effects::{Physics, find};
+use diagnosis::effects::find;
+use diagnosis::physics::Physics;
 use lab::read::Recording;
 use lab::report::{Answer, Verdict};
 

@@ -2,10 +2,11 @@
 //! `cargo test --release -p lab --test diagnosis size::ten_minutes -- --ignored --nocapture`
 
 use analysis::simulate::{Reference, Setup, record, run};
+use diagnosis::effects::VOCABULARY;
+use diagnosis::physics::Physics;
 use er_servo::Config;
 use er_servo::experiment::{Experiment, Shape};
-use lab::decide::{Request, diagnose};
-use lab::effects::{Physics, VOCABULARY};
+use lab::conclude::{Request, diagnose};
 use lab::read::Recording;
 use lab::report::Verdict;
 
@@ -21,7 +22,7 @@ fn peak_mb() -> Option<f64> {
 #[test]
 #[ignore = "measures the process: cargo test --release -p lab --test diagnosis size::three -- --ignored --nocapture"]
 fn three_recordings_of_eight_seconds_take_less_than_500_mb() {
-    let files = recordings(&|physics| physics.coulomb = 0.95, 12, 0.05);
+    let files = recordings(&|physics| physics.model.coulomb = 0.95, 12, 0.05);
     let begun = std::time::Instant::now();
     let answer = answer(&files, "");
     let Some(peak_mb) = peak_mb() else {
@@ -34,10 +35,10 @@ fn three_recordings_of_eight_seconds_take_less_than_500_mb() {
 
 /// Ten minutes at 2 kHz of a machine with more friction than its model.
 fn ten_minutes_long() -> Recording {
-    let mut truth = Physics::of(&machine(COUNT_RAD), &[]).unwrap();
-    truth.coulomb = 0.95;
+    let mut truth = Physics::nominal(&machine(COUNT_RAD), &[]);
+    truth.model.coulomb = 0.95;
     let setup = Setup {
-        model: lab::refit::model(&truth, 0),
+        model: truth.model_of(0),
         config: Config::default(),
         disturbances: Vec::new(),
         sensor_noise_rad: 0.0,

@@ -2,12 +2,12 @@
 
 use std::path::PathBuf;
 
+use diagnosis::effects::VOCABULARY;
 use er_servo::experiment::{Experiment, Shape};
 use plant::{Er, Model};
 
 use super::Overwrite;
-use crate::decide::{Request, diagnose};
-use crate::effects::VOCABULARY;
+use crate::conclude::{Request, diagnose};
 use crate::output::{self, Output, Outputs, Provenance, formats};
 use crate::plot::{Figure, Mark, Panel, Series};
 use crate::read::{Machine, Recording};

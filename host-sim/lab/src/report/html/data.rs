@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::maps::{self, MapPlot};
 use super::{thin, windows};
 use crate::Error;
-use crate::decide::Diagnosis;
+use crate::conclude::Diagnosis;
 use crate::read::Recording;
 use crate::report::{Units, Verdict};
 use crate::residual::Residual;

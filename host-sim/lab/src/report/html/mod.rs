@@ -12,7 +12,6 @@ mod words;
 
 pub use data::PlotData;
 use maps::{Band, MapPlot};
-pub(crate) use words::number;
 
 use crate::Error;
 use crate::output::Provenance;
@@ -40,11 +39,11 @@ pub fn page(machine: &str, answer: &Answer, plot: &PlotData, made: &Provenance) 
     let body = [
         sections::warnings(answer),
         sections::effects(answer),
-        sections::unexplained(answer),
+        sections::left(answer),
         sections::fit(answer),
         sections::curves(plot),
         sections::located(answer, plot),
-        sections::maps(answer, plot),
+        sections::maps(plot),
         sections::experiment(answer),
         sections::rejected(answer),
         sections::provenance(made),

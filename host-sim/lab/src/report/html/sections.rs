@@ -7,7 +7,7 @@ use super::words::{estimate, interval, number, p_value, per_cent_explained, titl
 use super::{MapPlot, PlotData};
 use crate::output::{Input, Provenance};
 use crate::report::text::per_cent;
-use crate::report::{Answer, EffectAnswer, Formula, ResidualMap, Verdict};
+use crate::report::{Answer, EffectAnswer};
 
 /// Every effect of the best model: what it is, its values, why it is believed or that it is not.
 pub(super) fn effects(answer: &Answer) -> String {
@@ -144,16 +144,15 @@ fn share(share: f64) -> String {
 }
 
 /// Maps of the residual torque, each with its figures.
-pub(super) fn maps(answer: &Answer, plot: &PlotData) -> String {
+pub(super) fn maps(plot: &PlotData) -> String {
     let each: String = plot.maps.iter().enumerate().map(|(index, map)| self::map(index, map)).collect();
-    let left: String = answer.residual_map.iter().map(left_over).collect();
-    if each.is_empty() && left.is_empty() {
+    if each.is_empty() {
         return String::new();
     }
     let body = format!(
         "<p class=\"quiet\">Mean residual {} ({}) of the windows of {:.0} ms, with its 95 % band: stretches of one second count \
          once, of 0.2 s over time. What the improved model takes away lies between the two.</p><div \
-         class=\"grid\">{each}</div>{left}",
+         class=\"grid\">{each}</div>",
         text(plot.effort_name),
         text(plot.effort_unit),
         1e3 * WINDOW_S
@@ -181,84 +180,43 @@ fn map(index: usize, map: &MapPlot) -> String {
     )
 }
 
-/// What the best model leaves over one channel, from the torque balance.
-fn left_over(map: &ResidualMap) -> String {
-    let rows = (0..map.at.len()).map(|bin| {
-        let mean = format!("{} \u{b1} {}", number(map.mean[bin], map.band[bin]), number(map.band[bin], map.band[bin]));
-        vec![number(map.at[bin], 0.0), mean]
-    });
-    let caption = format!("Left by the best model over {}", map.channel);
-    let figures = table(&caption, &[map.channel.as_str(), "mean residual, 95 % band"], rows.collect());
-    format!(
-        "<details><summary>Left by the best model over <code>{}</code></summary>{figures}</details>",
-        text(&map.channel)
-    )
-}
-
-/// The closest effect and the formula, where no effect explains what is missing.
-pub(super) fn unexplained(answer: &Answer) -> String {
-    if answer.verdict != Verdict::Unknown {
-        return String::new();
-    }
-    let closest =
-        answer.closest.as_ref().map_or_else(String::new, |closest| format!("<p>{}.</p>", text(&closest.text)));
-    let follows = answer.residual_map.first().filter(|map| map.predicts > 0.0).map_or_else(String::new, |map| {
-        let share = 100.0 * map.predicts;
-        format!(
-            "<p>What the best model leaves follows <code>{}</code>: its map predicts {share:.0} % of the squares.</p>",
-            text(&map.channel)
-        )
-    });
-    let formula = answer.formula.as_ref().map_or_else(
-        || "<p class=\"quiet\">No sparse formula for the residual predicts held-out data.</p>".to_owned(),
-        self::formula,
+/// What the best model leaves, and what predicts it.
+pub(super) fn left(answer: &Answer) -> String {
+    let Some(left) = &answer.remainder else { return String::new() };
+    let unit = text(&left.unit);
+    let mut body = format!(
+        "<p>The noise has to stand in for {} {unit} rms, some of which the values above may have absorbed.</p>",
+        number(left.effort_rms, 0.0)
     );
-    section("unexplained", "What no effect explains", &format!("{closest}{follows}{formula}"))
-}
-
-fn formula(formula: &Formula) -> String {
-    let rows = formula.terms.iter().flat_map(|term| {
-        term.parameters.iter().map(|p| {
-            let name = format!("<code>{}</code> of {}", text(&p.id), text(&term.text));
-            vec![name, estimate(p), interval(p), text(&p.unit)]
+    if !left.unnamed.is_empty() {
+        let ids: Vec<String> = left.unnamed.iter().map(|id| format!("<code>{}</code>", text(id))).collect();
+        body += &format!("<p>Traces of {}, too small to be named.</p>", ids.join(", "));
+    }
+    let rows: Vec<_> = left
+        .predictors
+        .iter()
+        .map(|one| {
+            let size = format!("{} {unit}", number(one.effort_rms, 0.0));
+            vec![format!("<code>{}</code>", text(&one.channel)), share(one.share), size, text(&p_value(one.p_value))]
         })
-    });
-    let head = ["value", "estimate", "95 % interval", "unit"];
-    let values = table("Values of the formula", &head, rows.collect());
-    let beside =
-        if formula.on_top_of.is_empty() { "the nominal model".to_owned() } else { formula.on_top_of.join(", ") };
-    format!(
-        "<p class=\"note\">{}</p>{values}<p class=\"quiet\">A sparse formula for what is missing beside {}: held-out error \
-         {:.1} % less; with it {} % of the excess over the noise is explained.</p>",
-        text(&formula.text),
-        text(&beside),
-        100.0 * formula.heldout_gain,
-        text(&per_cent_explained(formula.excess_explained))
-    )
+        .collect();
+    if !rows.is_empty() {
+        let head = ["channel", "share of the squares", "rms", "p"];
+        body += &table("Channels that predict part of it, on data they were not fitted to", &head, rows);
+    }
+    section("left", "What is left", &body)
 }
 
 /// What was tried and not taken.
 pub(super) fn rejected(answer: &Answer) -> String {
-    let mut sorted: Vec<_> = answer.rejected.iter().collect();
-    sorted.sort_by(|a, b| b.heldout_gain.total_cmp(&a.heldout_gain));
-    let rows = sorted
-        .iter()
-        .map(|effect| vec![format!("<code>{}</code>", text(&effect.id)), gain(effect.heldout_gain), text(&effect.why)]);
+    let rows =
+        answer.rejected.iter().map(|effect| vec![format!("<code>{}</code>", text(&effect.id)), text(&effect.why)]);
     let rows: Vec<_> = rows.collect();
     if rows.is_empty() {
         return String::new();
     }
-    let head = ["effect", "held-out error less", "why not"];
+    let head = ["effect", "why not"];
     section("rejected", "What was rejected", &table("Effects that were tried and not taken", &head, rows))
-}
-
-/// A relative fall of the held-out error in per cent; how far beyond twice the error says nothing.
-fn gain(gain: f64) -> String {
-    if gain < -1.0 {
-        return "below -100 %".to_owned();
-    }
-    // Adding zero takes the sign from what rounds to nothing.
-    format!("{:.1} %", (1000.0 * gain).round() / 10.0 + 0.0)
 }
 
 /// What to record next.

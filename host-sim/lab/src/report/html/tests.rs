@@ -6,8 +6,8 @@ use super::maps::{Band, MapPlot};
 use super::*;
 use crate::output::{Input, Provenance};
 use crate::report::{
-    Closest, EffectAnswer, Evidence, Experiment, FitAnswer, Formula, FormulaTerm, Interval, Location, Region, Rejected,
-    ResidualMap,
+    EffectAnswer, Evidence, Experiment, FitAnswer, Interval, Location, PredictorAnswer, Region, Rejected,
+    RemainderAnswer,
 };
 use crate::report::{Verdict, html};
 
@@ -31,7 +31,7 @@ fn answer(verdict: Verdict) -> Answer {
         recording: Some(hostile.clone()),
     };
     Answer {
-        schema: 1,
+        schema: 2,
         verdict,
         effects: vec![effect],
         fit: FitAnswer {
@@ -54,7 +54,6 @@ fn answer(verdict: Verdict) -> Answer {
             share_high: 0.5,
             text: hostile.clone(),
         }],
-        first_unexplained: Vec::new(),
         regions: vec![Region {
             channel: hostile.clone(),
             low: 0.0,
@@ -69,29 +68,13 @@ fn answer(verdict: Verdict) -> Answer {
             separates: vec![hostile.clone()],
             reference_csv: Some(hostile.clone()),
         }),
-        remainder: None,
-        warnings: vec![hostile.clone()],
-        residual_map: vec![ResidualMap {
-            channel: hostile,
-            at: vec![0.0],
-            mean: vec![0.1],
-            band: vec![0.01],
-            predicts: 0.4,
-        }],
-        formula: Some(Formula {
-            text: HOSTILE.to_owned(),
-            terms: vec![FormulaTerm { text: HOSTILE.to_owned(), parameters: Vec::new() }],
-            on_top_of: vec![HOSTILE.to_owned()],
-            heldout_gain: 0.5,
-            excess_explained: 0.9,
+        remainder: Some(RemainderAnswer {
+            effort_rms: 0.3,
+            unit: hostile.clone(),
+            unnamed: vec![hostile.clone()],
+            predictors: vec![PredictorAnswer { channel: hostile.clone(), share: 0.4, p_value: 1e-9, effort_rms: 0.2 }],
         }),
-        closest: Some(Closest {
-            id: "spring_load".to_owned(),
-            excess_explained: 0.57,
-            left: 0.43,
-            region: None,
-            text: HOSTILE.to_owned(),
-        }),
+        warnings: vec![hostile],
     }
 }
 
@@ -152,6 +135,7 @@ fn the_page_says_the_answer() {
         "The model lacks coulomb friction (0.9501\u{a0}N\u{a0}m)",
         "on data the fit never saw is 75 % less",
         "0.9482 to 0.9523",
+        "What is left",
         "What was rejected",
         "What to record next",
         "Before you believe this",
@@ -161,7 +145,7 @@ fn the_page_says_the_answer() {
         assert!(page.contains(part), "{part}");
     }
     assert!(written(Verdict::None).contains("Nothing is missing from the model"));
-    assert!(written(Verdict::Unknown).contains("spring load comes closest and leaves 43 %"));
+    assert!(written(Verdict::Unknown).contains("nothing in the vocabulary explains it"));
     assert!(written(Verdict::Controller).contains("no physics is named"));
     assert!(written(Verdict::Ambiguous).contains("cannot tell which"));
 }

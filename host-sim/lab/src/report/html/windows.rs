@@ -1,18 +1,16 @@
 //! The two models along the recordings, as the page draws them.
 
+use diagnosis::physics::Physics;
+use diagnosis::recorded::ACTS_S;
+use diagnosis::windows::HORIZONS_S;
 use rayon::prelude::*;
 
 use crate::Error;
-use crate::effects::Physics;
 use crate::read::Recording;
-use crate::refit::model;
 use crate::residual::{Residual, residual};
 
 /// Length of the windows drawn, s.
-pub(super) const WINDOW_S: f64 = 0.05;
-
-/// What was commanded before the first row is not known, and acts this long, s.
-const SETTLE_S: f64 = 0.03;
+pub(super) const WINDOW_S: f64 = HORIZONS_S[0];
 
 /// Residuals of a machine in short windows, one for each recording; the first of them is number 0 of the machine's pushes
 /// and phases.
@@ -21,8 +19,9 @@ const SETTLE_S: f64 = 0.03;
 /// A recording too short for one window, or a machine that cannot be simulated.
 pub(super) fn all(physics: &Physics, recordings: &[&Recording]) -> Result<Vec<Residual>, Error> {
     let each = recordings.par_iter().enumerate().map(|(index, recording)| {
-        let mut all = residual(&model(physics, index), recording, WINDOW_S)?;
-        let settled_s = recording.t_s.first().copied().unwrap_or_default() + SETTLE_S;
+        let mut all = residual(&physics.model_of(index), recording, WINDOW_S)?;
+        // What was commanded before the first row is not known.
+        let settled_s = recording.t_s.first().copied().unwrap_or_default() + ACTS_S;
         all.windows.retain(|window| recording.t_s[window.start] >= settled_s);
         Ok(all)
     });

@@ -28,12 +28,7 @@ pub(super) fn sentence(answer: &Answer) -> String {
             format!("The model lacks {found}: something is missing, and these recordings cannot tell which it is.")
         }
         Verdict::Unknown => {
-            let closest = answer.closest.as_ref();
-            let closest = closest.map_or_else(String::new, |closest| {
-                let left = (100.0 * closest.left - 1e-9).ceil();
-                format!("; {} comes closest and leaves {left:.0} % of the excess over the noise", title(&closest.id))
-            });
-            format!("Something is missing from the model, and nothing in the vocabulary explains it{closest}.")
+            "Something is missing from the model, and nothing in the vocabulary explains it.".to_owned()
         }
         Verdict::Controller => {
             "The recorded commands are not what this control law computes, so no physics is named.".to_owned()
@@ -80,7 +75,7 @@ pub(super) fn interval(of: &Interval) -> String {
 }
 
 /// A number with two digits of `width`; four of its own where that is zero or no number.
-pub(crate) fn number(value: f64, width: f64) -> String {
+pub(super) fn number(value: f64, width: f64) -> String {
     if !value.is_finite() {
         return "unbounded".to_owned();
     }

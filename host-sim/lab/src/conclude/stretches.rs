@@ -17,7 +17,7 @@ const SEED: u64 = 1;
 /// The recordings as they are diagnosed: whole, or where they have more rows than are looked at, stretches of them spread
 /// evenly, each at a random place of its share of the time so that a periodic motion is not always met at the same place.
 /// What is left out is told in `notes`.
-pub(crate) fn stretches(files: &[&Recording], notes: &mut Vec<String>) -> Vec<Recording> {
+pub(super) fn stretches(files: &[&Recording], notes: &mut Vec<String>) -> Vec<Recording> {
     let rows: usize = files.iter().map(|file| file.rows()).sum();
     if rows <= ROWS {
         return files.iter().map(|file| file.driven(std::slice::from_ref(&(0..file.rows())))).collect();
@@ -51,13 +51,33 @@ fn spread(t_s: &[f64], share: f64) -> Vec<Range<usize>> {
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::unwrap_used)]
+    use plant::Model;
+
     use super::*;
-    use crate::decide::testing::{machine, recording};
-    use crate::effects::Physics;
+    use crate::simulate::{Reference, Row, Setup, record, run};
+    use er_servo::Config;
+    use er_servo::experiment::{Experiment, Shape};
+
+    /// Four seconds of steps of the paper's servo.
+    fn recording() -> Recording {
+        let shape = Shape::Steps { amplitude_rad: 0.9, dwell_s: 0.5, seed: 1 };
+        let reference = Reference::Experiment(Experiment { shape, duration_s: 4.0 });
+        let setup = Setup {
+            model: Model::paper(),
+            config: Config::default(),
+            disturbances: Vec::new(),
+            sensor_noise_rad: 0.0,
+            torque_noise_nm: 0.0,
+            seed: 1,
+        };
+        let rows: Vec<Row> = run(&setup, reference.positions(5e-4).unwrap()).unwrap();
+        record("steps.csv", &rows)
+    }
 
     #[test]
     fn a_recording_of_five_minutes_is_looked_at_whole_and_a_longer_one_in_stretches() {
-        let short = recording(&Physics::nominal(&machine()), 0.0, 4.0, 1);
+        let short = recording();
         let mut notes = Vec::new();
         let whole = stretches(&[&short], &mut notes);
         assert_eq!((whole[0].position.as_slice(), notes.len()), (short.position.as_slice(), 0));

@@ -13,7 +13,7 @@ const FACTORS: [f32; 18] =
 
 /// The first recording whose commands differ, as the effect `controller`; none where all replay to the bit. Recordings
 /// that cannot be replayed are warned about.
-pub(crate) fn mismatch(config: &Config, recordings: &[&Recording], warnings: &mut Vec<String>) -> Option<EffectAnswer> {
+pub(super) fn mismatch(config: &Config, recordings: &[&Recording], warnings: &mut Vec<String>) -> Option<EffectAnswer> {
     for &recording in recordings {
         match replay(recording, config) {
             Ok(found) => {
