@@ -7,6 +7,7 @@
 pub mod cli;
 pub mod conclude;
 pub mod first_model;
+pub mod guide;
 pub mod interrupt;
 pub mod line;
 pub mod output;

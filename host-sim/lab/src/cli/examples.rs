@@ -56,3 +56,7 @@ Example:
 pub(super) const MAN: &str = "\
 Example:
   servo-lab man --out ~/.local/share/man/man1";
+
+pub(super) const GUIDE: &str = "\
+Example:
+  servo-lab guide --only coulomb_friction,backlash --out out/guide";

@@ -71,7 +71,7 @@ pub fn help(args: &HelpArgs) -> Result<(), Error> {
 fn effects() -> String {
     let mut text = "What a diagnosis may name; parameters as a machine file has them in [[effects]].\n\n".to_owned();
     VOCABULARY.iter().for_each(|known| text += &effect(known.id, known.sentence));
-    text
+    text + "\nOf each, how it looks and how small it may be: servo-lab guide\n"
 }
 
 fn effect(id: &str, sentence: &str) -> String {

@@ -7,6 +7,7 @@ mod demo;
 mod diagnose;
 mod doctor;
 mod examples;
+mod guide;
 mod help;
 mod init;
 mod link;
@@ -86,6 +87,9 @@ enum Command {
     /// Find gains that keep margins over the uncertainty of every delay, and settle fast; write the parameter file.
     #[command(after_help = examples::TUNE)]
     Tune(tune::Args),
+    /// Field guide: what each effect looks like, what it is confused with, what tells them apart, how small it may be.
+    #[command(after_help = examples::GUIDE)]
+    Guide(guide::Args),
     /// Do the main job on embedded data: loop, recording with something left out of the model, comparison.
     #[command(after_help = examples::DEMO)]
     Demo(demo::Args),
@@ -138,6 +142,7 @@ impl Cli {
             Command::Stability(args) => stability::run(args),
             Command::Paper(args) => paper::run(args),
             Command::Tune(args) => tune::run(args),
+            Command::Guide(args) => guide::run(args),
             Command::Demo(args) => demo::run(args),
         }
         .map(|()| ExitCode::SUCCESS)

@@ -6,7 +6,7 @@ mod stretches;
 
 use diagnosis::effects::{Effect, VOCABULARY};
 use diagnosis::physics::Physics;
-use diagnosis::pipeline::diagnose as concluded;
+use diagnosis::pipeline::{Conclusion, diagnose as concluded};
 use diagnosis::problem::Problem;
 use diagnosis::recorded::Recorded;
 
@@ -14,7 +14,7 @@ use self::controller::mismatch;
 use self::stretches::stretches;
 use crate::Error;
 use crate::progress::Stages;
-use crate::propose::Proposal;
+use crate::propose::{self, Limits, Proposal};
 use crate::read::{Axis, AxisKind, Machine, Recording, nearest, position_step};
 use crate::report::{Answer, Verdict};
 
@@ -90,8 +90,21 @@ pub fn diagnose(request: &Request<'_>) -> Result<Diagnosis, Error> {
     answer.warnings = notes;
     answer.warnings.extend(answer::warnings(&conclusion));
     stages.done("answer");
+    let proposal = if answer.verdict == Verdict::Ambiguous { proposal(&machine, request, &conclusion) } else { None };
+    answer.experiment = proposal.as_ref().map(Proposal::experiment);
+    stages.done("propose");
     let improved = conclusion.best.assessed.refitted.hypothesis.physics(&problem.nominal);
-    Ok(Diagnosis { answer, improved, nominal: problem.nominal, proposal: None, stages })
+    Ok(Diagnosis { answer, improved, nominal: problem.nominal, proposal, stages })
+}
+
+/// Rivals at most that an experiment is chosen for; every one of them costs time.
+const RIVALS: usize = 4;
+
+/// The recording that tells the hypotheses of the set apart.
+fn proposal(machine: &Machine, request: &Request<'_>, conclusion: &Conclusion) -> Option<Proposal> {
+    let rivals = conclusion.in_the_set.get(..RIVALS).unwrap_or(&conclusion.in_the_set);
+    let noise = *conclusion.best.assessed.refitted.noise.first()?;
+    propose::best(&propose::Request { machine, rivals, limits: Limits::of(machine, request.recordings), noise })
 }
 
 /// The machine with the step that its recordings show, where that is clearly coarser than the file says.

@@ -56,7 +56,7 @@ impl Limits {
     }
 
     /// Whether a motion stays within, to 1 %.
-    pub fn allow(&self, motion: &Self) -> bool {
+    pub(super) fn allow(&self, motion: &Self) -> bool {
         motion.speed <= 1.01 * self.speed && motion.torque <= 1.01 * self.torque && motion.travel <= 1.01 * self.travel
     }
 }

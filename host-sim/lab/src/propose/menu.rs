@@ -7,7 +7,7 @@ use er_servo::experiment::{Experiment, Shape};
 use super::Limits;
 
 /// Length that is simulated and first proposed, s.
-pub const DURATION_S: f64 = 8.0;
+pub(super) const DURATION_S: f64 = 8.0;
 
 /// A reference of the menu.
 #[derive(Debug, Clone, PartialEq)]
@@ -22,8 +22,7 @@ pub struct Item {
 
 /// What a menu is made for.
 #[derive(Debug, Clone, Copy)]
-pub struct Scale {
-    /// What the machine may be put through.
+pub(super) struct Scale {
     pub limits: Limits,
     /// Error at which the loop's torque overcomes dry friction and the highest braking field, rad (m).
     pub breakaway: f64,
@@ -34,7 +33,7 @@ pub struct Scale {
 }
 
 /// Every reference that fits the travel; each is made smaller until its speed and torque fit too, when it is simulated.
-pub fn menu(scale: &Scale) -> Vec<Item> {
+pub(super) fn menu(scale: &Scale) -> Vec<Item> {
     let (travel, speed) = (scale.limits.travel, scale.limits.speed);
     // An amplitude either way is at most half the travel, and a multisine goes up to twice its own.
     let either_way = |wanted: f64| rounded_deg(wanted.min(0.5 * travel / scale.unit));
@@ -71,7 +70,7 @@ pub fn menu(scale: &Scale) -> Vec<Item> {
 }
 
 /// Seed of the levels of steps.
-pub const STEPS_SEED: u32 = 1;
+pub(super) const STEPS_SEED: u32 = 1;
 
 /// Ten to the number of decimals that three digits of a value have.
 fn decimals(value: f64) -> f64 {
@@ -91,7 +90,7 @@ fn rounded_deg(radians: f64) -> f32 {
 
 impl Item {
     /// The same with its size changed by a factor, and as long as before.
-    pub fn resized(&self, factor: f64) -> Self {
+    pub(super) fn resized(&self, factor: f64) -> Self {
         let sized = |radians: f32| rounded_deg(factor * f64::from(radians));
         let mut item = self.clone();
         match &mut item.experiment.shape {
@@ -108,7 +107,7 @@ impl Item {
     }
 
     /// The same for another time, s.
-    pub fn lasting(&self, duration_s: f64) -> Self {
+    pub(super) fn lasting(&self, duration_s: f64) -> Self {
         let experiment = Experiment { duration_s: duration_s as f32, ..self.experiment };
         Self { experiment, ..self.clone() }
     }

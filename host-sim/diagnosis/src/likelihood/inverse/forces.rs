@@ -62,7 +62,7 @@ impl Laws {
     fn shaft_torque(&self, memory: &mut Memory, dt_s: f64, change: f64) -> f64 {
         let Some(law) = &self.shaft else { return 0.0 };
         let resonance_rad_s = (law.stiffness * (law.per_load_inertia + self.inertia.recip())).sqrt();
-        let steps = (dt_s * resonance_rad_s * PER_RADIAN).ceil().max(1.0).min(MOST);
+        let steps = (dt_s * resonance_rad_s * PER_RADIAN).ceil().clamp(1.0, MOST);
         let (step_s, mut sum) = (dt_s / steps, 0.0);
         for _ in 0..steps as usize {
             let bent = memory.twist - memory.twist.clamp(-law.half_gap, law.half_gap);
