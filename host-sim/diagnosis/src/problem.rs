@@ -96,6 +96,11 @@ impl Problem {
         if self.fitted < self.recordings.len() { self.fitted..self.recordings.len() } else { 0..self.fitted }
     }
 
+    /// Where the motion is given, the frequency up to which forces are judged, Hz.
+    pub fn band_hz(&self) -> Option<f64> {
+        self.motions.iter().map(Motion::band_hz).min_by(f64::total_cmp)
+    }
+
     /// Residuals of the recordings to fit: their rows, or their test functions where the motion is given.
     pub fn residuals(&self) -> usize {
         if self.motions.is_empty() {

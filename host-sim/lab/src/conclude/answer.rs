@@ -173,8 +173,14 @@ fn rejected(conclusion: &Conclusion) -> Vec<Rejected> {
 }
 
 /// What the user should know before believing the answer.
-pub(super) fn warnings(conclusion: &Conclusion) -> Vec<String> {
+pub(super) fn warnings(problem: &Problem, conclusion: &Conclusion) -> Vec<String> {
     let mut warnings = Vec::new();
+    if let Some(band_hz) = problem.band_hz() {
+        warnings.push(format!(
+            "the machine file models no delay of the drive and no fluid, so the torque column may be a measurement: judged by what \
+             torque the motion needs, up to {band_hz:.0} Hz"
+        ));
+    }
     if conclusion.verdict == judged::Verdict::Ambiguous {
         warnings.push(
             "what the alternatives predict differs by less than these recordings' noise; another motion or a direct \

@@ -88,7 +88,7 @@ pub fn diagnose(request: &Request<'_>) -> Result<Diagnosis, Error> {
         (answer.verdict, answer.effects) = (Verdict::Controller, vec![effect]);
     }
     answer.warnings = notes;
-    answer.warnings.extend(answer::warnings(&conclusion));
+    answer.warnings.extend(answer::warnings(&problem, &conclusion));
     stages.done("answer");
     let proposal = if answer.verdict == Verdict::Ambiguous { proposal(&machine, request, &conclusion) } else { None };
     answer.experiment = proposal.as_ref().map(Proposal::experiment);

@@ -59,6 +59,11 @@ impl Motion {
         self.tests.len()
     }
 
+    /// Frequency up to which its test functions pass 70 % of a force, Hz: the transform of the bump, 15 j2(x) / x^2, is that at 2.2.
+    pub fn band_hz(&self) -> f64 {
+        2.2 / (std::f64::consts::PI * self.support_s)
+    }
+
     /// Support of its longest test function, s.
     pub(crate) fn support_s(&self) -> f64 {
         self.support_s
