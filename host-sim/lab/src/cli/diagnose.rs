@@ -50,7 +50,7 @@ pub struct Args {
     #[arg(long, value_enum, value_name = "VERDICT", value_delimiter = ',')]
     fail_on: Vec<Verdict>,
     /// Threads; as many as there are cores by default.
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = super::threads)]
     jobs: Option<usize>,
     /// Prints on standard error how long each stage took.
     #[arg(long)]
