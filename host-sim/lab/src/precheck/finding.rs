@@ -137,9 +137,11 @@ impl Finding {
             Problem::NeverMoves { travel } => {
                 format!("the axis never moves ({travel:.1e} {position} from end to end); record a motion")
             }
-            Problem::SameRows => "its rows are those of another recording that is given; give each once: what was fitted cannot \
+            Problem::SameRows => {
+                "its rows are those of another recording that is given; give each once: what was fitted cannot \
                                   be held out"
-                .to_owned(),
+                    .to_owned()
+            }
             Problem::TooShort { length_s, needed_s } => {
                 format!("{length_s:.3} s is too short, at least {needed_s:.1} s is needed; record longer")
             }
