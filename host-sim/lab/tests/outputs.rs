@@ -47,6 +47,8 @@ fn folder() -> tempfile::TempDir {
     fs::write(at("reference.csv"), "t_s,reference_rad\n0,0\n0.1,0.3\n").unwrap();
     fs::write(at("image.elf"), "no image").unwrap();
     fs::write(at("rtt.bin"), "no log").unwrap();
+    fs::write(at("rtt.csv"), "no log").unwrap();
+    fs::write(at("tuned.toml"), MACHINE).unwrap();
     fs::write(at("notes.txt"), "mine").unwrap();
     done(folder.path(), "simulate --duration-s 0.3 --out run.csv");
     #[cfg(unix)]
@@ -72,6 +74,11 @@ fn no_command_writes_onto_what_it_reads() {
         ("stability --machine m.toml --json m.toml --force", "m.toml"),
         ("stability --machine m.toml --plot hard.toml", "m.toml"),
         ("prove --case 0 --program image.elf --json image.elf", "image.elf"),
+        ("simulate --reference reference.csv --plot ./reference.csv", "reference.csv"),
+        ("convert run.csv --out link.csv --force", "run.csv"),
+        ("init run.csv --out run.csv", "run.csv"),
+        ("record --elf image.elf rtt.csv --out rtt.csv", "rtt.csv"),
+        ("tune --machine tuned.toml --out .", "tuned.toml"),
     ];
     for (line, input) in lines {
         refused(folder.path(), line, &format!("cannot write: it is the input `{input}`; choose another name"));
@@ -121,6 +128,14 @@ fn what_cannot_be_written_is_known_first_by_the_users_name() {
         "tune --out notes.txt/tune",
         "paper --out notes.txt/paper",
         "demo --out notes.txt/demo",
+        "man --out notes.txt/man",
+        "prove --case 0 --out notes.txt/proof",
+        "prove --case 0 --write-only notes.txt/cases",
+        "prove --case 0 --html notes.txt/page.html",
+        "convert run.csv --out notes.txt/run.csv",
+        "init run.csv --out notes.txt/m.toml",
+        "decode --elf image.elf rtt.bin --out notes.txt/run.csv",
+        "record --elf image.elf rtt.bin --out notes.txt/run.csv",
         "simulate --out notes.txt/run.csv",
         "stability --plot notes.txt/region.svg",
     ] {
@@ -129,6 +144,77 @@ fn what_cannot_be_written_is_known_first_by_the_users_name() {
     assert_eq!(content(folder.path()), before, "nothing is left");
     done(folder.path(), "simulate --duration-s 0.1 --out new/folder/run.csv");
     assert!(folder.path().join("new/folder/run.csv").is_file(), "folders are made");
+}
+
+/// Commands that compute for long, or that nothing was recorded for: refused before they begin.
+#[test]
+fn every_other_command_asks_too_before_it_replaces_a_file() {
+    let folder = folder();
+    for (line, own) in [
+        ("guide --out guide", "guide/guide.md"),
+        ("paper --out paper", "paper/claims.md"),
+        ("paper --beyond --out paper", "paper/beyond.md"),
+        ("tune --out tuned", "tuned/tune.svg"),
+        ("demo --out demo", "demo/machine.toml"),
+        ("man --out man", "man/servo-lab-tune.1"),
+        ("init run.csv --out mine.toml", "mine.toml"),
+        ("convert run.csv --out mine.csv", "mine.csv"),
+        ("decode --elf image.elf rtt.bin --out mine.csv", "mine.csv"),
+        ("record --elf image.elf rtt.bin --out mine.csv", "mine.csv"),
+        ("diagnose --machine m.toml run.csv --write-model mine.toml", "mine.toml"),
+        ("prove --case 0 --json mine.json", "mine.json"),
+        ("prove --case 0 --out proof", "proof/about.md"),
+        ("prove --case 0 --write-only proof", "proof/about.md"),
+    ] {
+        let file = folder.path().join(own);
+        fs::create_dir_all(file.parent().unwrap()).unwrap();
+        fs::write(&file, "mine").unwrap();
+        let before = content(file.parent().unwrap());
+        refused(folder.path(), line, "it is there and servo-lab did not write it");
+        assert_eq!(content(file.parent().unwrap()), before, "{line}");
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn a_folder_of_another_hand_is_filled_only_by_force() {
+    use std::os::unix::fs::PermissionsExt as _;
+    let folder = folder();
+    let at = |name: &str| folder.path().join(name);
+    let answer = r#"{"verdict": "none", "effects": []}"#;
+    let tool = |file: &str| {
+        fs::create_dir_all(at(file).parent().unwrap()).unwrap();
+        fs::write(at(file), format!("#!/bin/sh\ncat > \"$5\" <<'END'\n{answer}\nEND\n")).unwrap();
+        fs::set_permissions(at(file), fs::Permissions::from_mode(0o755)).unwrap();
+    };
+    tool("tool");
+    fs::create_dir_all(at("mine/cases/0")).unwrap();
+    fs::write(at("mine/cases/0/thesis.csv"), "mine").unwrap();
+    let run = "prove --case 0 --no-rivals --program tool --out mine";
+    refused(folder.path(), run, "mine/cases: cannot write: it holds files and servo-lab did not fill it");
+    assert!(!at("mine/sealed").exists());
+    done(folder.path(), &format!("{run} --force"));
+    done(folder.path(), run);
+    let again = "prove --count 1 --no-rivals --program tool --out mine";
+    fs::remove_dir_all(at("mine/outcomes")).unwrap();
+    done(folder.path(), again);
+    assert_eq!(fs::read_to_string(at("mine/cases/0/thesis.csv")).unwrap(), "mine", "a folder that was there stays");
+    tool("own/cases/0/tool");
+    refused(
+        folder.path(),
+        "prove --case 0 --program own/cases/0/tool --out own --force",
+        "own/cases: cannot write: it will be filled, and `own/cases/0/tool` is in it",
+    );
+    fs::write(at("mine/clean"), "mine").unwrap();
+    refused(folder.path(), "prove --case 0 --write-only mine", "is no folder");
+    fs::create_dir_all(at("other/clean/0")).unwrap();
+    fs::write(at("other/clean/0/a.csv"), "mine").unwrap();
+    refused(folder.path(), "prove --case 0 --write-only other", "other/clean/0: cannot write: it holds files");
+    refused(
+        folder.path(),
+        "prove --merge mine --json mine/outcomes/0.json --force",
+        "it is the input `mine/outcomes/0.json`",
+    );
 }
 
 /// A limit on the size of files stands for a disk that fills up while the file is written.

@@ -84,7 +84,7 @@ fn read_rows<R: Read>(
         push_row(&header, &row, separator, &mut values).map_err(|complaint| Misread::new(&row, complaint))?;
         std::mem::swap(&mut row, &mut last);
     }
-    if rows.get_ref().last != Some(b'\n') {
+    if !matches!(rows.get_ref().last, Some(b'\n' | b'\r')) {
         let message = "the file ends within this line: it was cut short, and its last number may be too; \
                        if it is complete, end it with a line break";
         return Err(Misread::new(&last, Complaint::new("", message)));

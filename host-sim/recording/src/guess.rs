@@ -165,6 +165,9 @@ fn guessed(table: &Table, column: Column, axis: AxisKind, taken: &[Guess]) -> Re
         "a measured one, there is no commanded one".clone_into(&mut because);
     }
     if fitting.is_empty() && column == Column::Time {
+        if let Some(broken) = broken_time(table) {
+            return Err(broken);
+        }
         fitting = free().filter(|(_, values)| rises(values)).map(|(name, values)| (0, name, values)).take(1).collect();
         "the first that always rises".clone_into(&mut because);
     }
@@ -187,6 +190,20 @@ fn guessed(table: &Table, column: Column, axis: AxisKind, taken: &[Guess]) -> Re
     let mapped = MappedColumn::new(column, axis, name, &unit, needs_scale.then_some(1.0))?;
     let unsure = unit_unsure || needs_scale || !rivals.is_empty() || score == 0;
     Ok(Some(Guess { mapped, because: format!("{because}; unit: {unit_because}"), unsure }))
+}
+
+/// What is wrong with the column that is the time by its unit: another that rises in its place, as a counter of rows does, would
+/// mislead.
+fn broken_time(table: &Table) -> Option<String> {
+    let is_time = |name: &str| fit(name, Column::Time, AxisKind::Rotary).is_some_and(|score| score > 100);
+    let advice = "mend the log, or give another column as --map \"time=NAME:s\"";
+    if let Some((name, values)) = table.numbers.iter().find(|(name, _)| is_time(name)) {
+        let row = values.windows(2).position(|pair| pair[1] <= pair[0])?;
+        let (from, to, name) = (values[row], values[row + 1], quoted(name));
+        return Some(format!("{name} does not rise from {from} to {to}, rows {} and {}; {advice}", row + 1, row + 2));
+    }
+    let name = table.others.iter().find(|name| is_time(name))?;
+    Some(format!("{} holds cells that are no finite numbers; {advice}", quoted(name)))
 }
 
 fn missing(table: &Table, column: Column, axis: AxisKind) -> String {

@@ -107,6 +107,9 @@ fn format(file: &Path, head: &[u8]) -> Result<Format, Error> {
         return Ok(Format::Parquet);
     }
     let other = |what: &str| Err(Error::input(file, None, "", format!("{what}; can be read: {READABLE}")));
+    if head.starts_with(&[0xff, 0xfe]) || head.starts_with(&[0xfe, 0xff]) {
+        return other("is UTF-16 text; save it as UTF-8");
+    }
     if head.starts_with(b"\x89MCAP0") {
         return other("is an MCAP file; export the topic as CSV, as PlotJuggler and Foxglove do");
     }

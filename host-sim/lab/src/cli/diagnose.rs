@@ -50,7 +50,7 @@ pub struct Args {
     #[arg(long, value_enum, value_name = "VERDICT", value_delimiter = ',')]
     fail_on: Vec<Verdict>,
     /// Threads; as many as there are cores by default.
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = super::threads)]
     jobs: Option<usize>,
     /// Prints on standard error how long each stage took.
     #[arg(long)]
@@ -190,4 +190,55 @@ impl Args {
 
 fn read_text(file: &Path) -> Result<String, Error> {
     std::fs::read_to_string(file).map_err(|error| Error::input(file, None, "", error.to_string()))
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::report::{EffectAnswer, Evidence, Interval};
+    use clap::Parser as _;
+
+    #[derive(clap::Parser)]
+    struct Flags {
+        #[command(flatten)]
+        args: Args,
+    }
+
+    fn answer(verdict: Verdict) -> Answer {
+        let value = Interval { id: "amplitude_nm".into(), value: 18.0, low: 17.0, high: 19.0, unit: "N m".into() };
+        let effect = EffectAnswer {
+            id: "gravity_load".into(),
+            text: String::new(),
+            equivalent: Vec::new(),
+            parameters: vec![value],
+            evidence: Evidence { heldout_gain: 0.5, p_value: 1e-12, excess_explained: 0.5 },
+            recording: None,
+        };
+        Answer { verdict, effects: vec![effect], ..Answer::default() }
+    }
+
+    /// What writing the model of such an answer gives: the file, or the message.
+    fn written(verdict: Verdict, flags: &[&str]) -> Result<String, String> {
+        let folder = tempfile::tempdir().unwrap();
+        let [machine, model] = ["m.toml", "improved.toml"].map(|name| folder.path().join(name));
+        std::fs::write(&machine, "schema = 1\n").unwrap();
+        let words =
+            ["diagnose", "--machine", machine.to_str().unwrap(), "--write-model", model.to_str().unwrap(), "r.csv"];
+        let args = Flags::try_parse_from(words.iter().chain(flags)).unwrap().args;
+        let (asked, mut outputs) = args.files().unwrap();
+        let written = args.write(&asked, &mut outputs, &answer(verdict)).map_err(|error| error.to_string());
+        assert_eq!(model.exists(), written.is_ok());
+        written.map(|()| std::fs::read_to_string(&model).unwrap())
+    }
+
+    #[test]
+    fn a_model_that_is_not_believed_is_written_only_by_force() {
+        let refused = written(Verdict::Unknown, &[]).unwrap_err();
+        assert!(refused.contains("what was fitted is not believed; --force writes it"), "{refused}");
+        assert!(written(Verdict::Unknown, &["--force"]).unwrap().contains("gravity_load"));
+        for verdict in [Verdict::Named, Verdict::Partial, Verdict::Ambiguous] {
+            assert!(written(verdict, &[]).unwrap().contains("gravity_load"), "{verdict:?}");
+        }
+    }
 }

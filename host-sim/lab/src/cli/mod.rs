@@ -103,6 +103,15 @@ enum Command {
     Man(help::ManArgs),
 }
 
+/// More threads than any machine has cores; to start a million of them takes for ever.
+const MOST_THREADS: usize = 1024;
+
+/// A number of threads, as a flag.
+fn threads(text: &str) -> Result<usize, String> {
+    let count = text.parse().ok().filter(|count| (1..=MOST_THREADS).contains(count));
+    count.ok_or_else(|| format!("must be a whole number from 1 to {MOST_THREADS}"))
+}
+
 /// Flag of the commands that write files.
 #[derive(Debug, Clone, Copy, clap::Args)]
 struct Overwrite {

@@ -11,7 +11,7 @@ use crate::output::{Output, Outputs, Provenance, formats};
 use crate::prove::results::{self, Origin, Results};
 use crate::prove::run::{self, Ran, Settings};
 use crate::prove::tool::Tool;
-use crate::prove::{Score, page, real, text};
+use crate::prove::{Score, folder, page, real, text};
 use crate::{Error, output};
 
 /// Flags of `prove`.
@@ -57,10 +57,10 @@ pub struct Args {
     #[arg(long, value_name = "FILE")]
     program: Option<PathBuf>,
     /// Cases at a time.
-    #[arg(long, value_name = "N", default_value_t = 2)]
+    #[arg(long, value_name = "N", default_value_t = 2, value_parser = super::threads)]
     workers: usize,
     /// Threads of each diagnosis.
-    #[arg(long, value_name = "N", default_value_t = 1)]
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = super::threads)]
     jobs: usize,
     /// Keeps the recordings.
     #[arg(long)]
@@ -99,15 +99,21 @@ fn shard(text: &str) -> Result<(u64, u64), String> {
 pub fn run(args: &Args) -> Result<(), Error> {
     if let Some(folder) = &args.write_only {
         let seeds = args.seeds()?;
+        let mut files = args.overwrite.files();
+        let label = folder::of_cases(&mut files, folder, &seeds);
+        folder::claim(&mut files.check()?, label)?;
         run::write_only(&seeds, folder)?;
         return output::print(&format!("{} cases written, {}/ARM/SEED each\n", seeds.len(), folder.display()));
     }
-    let settings = args.settings()?;
     let (asked, mut outputs) = args.files()?;
+    let settings = args.settings()?;
+    // Flags that leave no case are known before a folder is made.
+    let seeds = if args.real || !args.merge.is_empty() { Vec::new() } else { args.seeds()? };
+    asked.folder.map_or(Ok(()), |label| folder::claim(&mut outputs, label))?;
     if args.real {
         return args.prove_real(&settings, &asked, outputs);
     }
-    let ran = if args.merge.is_empty() { args.prove(&settings)? } else { run::merged(&args.merge)? };
+    let ran = if args.merge.is_empty() { prove(&seeds, &settings)? } else { run::merged(&args.merge)? };
     let score = Score::of(&ran);
     let printed = text::report(&score, &ran.outcomes);
     if !asked.is_nothing() {
@@ -126,6 +132,8 @@ pub fn run(args: &Args) -> Result<(), Error> {
 
 /// The reports that were asked for.
 struct Asked {
+    /// The label of the folder that is filled; none where outcomes are only counted.
+    folder: Option<Output>,
     json: Option<Output>,
     html: Option<Output>,
     results: Option<Output>,
@@ -141,8 +149,12 @@ impl Args {
     fn files(&self) -> Result<(Asked, Outputs), Error> {
         let mut files = self.overwrite.files();
         files.reads_all(&self.program);
+        files.reads_all(Some(&self.data).filter(|data| self.real && data.is_dir()));
+        files.reads_all(&run::to_merge(&self.merge)?);
+        let folder = self.merge.is_empty().then(|| folder::of_run(&mut files, &self.out));
         let mut writes = |file: &Option<PathBuf>| file.as_ref().map(|file| files.writes(file));
-        let asked = Asked { json: writes(&self.json), html: writes(&self.html), results: writes(&self.write_results) };
+        let (json, html, results) = (writes(&self.json), writes(&self.html), writes(&self.write_results));
+        let asked = Asked { folder, json, html, results };
         Ok((asked, files.check()?))
     }
 
@@ -156,21 +168,14 @@ impl Args {
             tool: Tool {
                 // It runs in other folders.
                 program: named.unwrap_or_else(own)?,
-                jobs: self.jobs.max(1),
+                jobs: self.jobs,
                 limit: Duration::from_secs(self.limit_s),
             },
-            workers: self.workers.max(1),
+            workers: self.workers,
             keep: self.keep || self.case.is_some(),
             oracle: !self.no_oracle,
             rivals: !self.no_rivals,
         })
-    }
-
-    fn prove(&self, settings: &Settings) -> Result<Ran, Error> {
-        let seeds = self.seeds()?;
-        let hash = run::seal(&seeds, settings)?;
-        output::print(&format!("{} cases, sealed: SHA-256 {hash} of sealed/SHA256SUMS\n\n", seeds.len()))?;
-        run::run(&seeds, settings)
     }
 
     fn prove_real(&self, settings: &Settings, asked: &Asked, mut outputs: Outputs) -> Result<(), Error> {
@@ -213,6 +218,13 @@ impl Args {
         arm && (self.effect.is_empty()
             || blueprint.effects.iter().any(|id| self.effect.iter().any(|wanted| wanted == id)))
     }
+}
+
+/// Seals the cases, then runs them.
+fn prove(seeds: &[u64], settings: &Settings) -> Result<Ran, Error> {
+    let hash = run::seal(seeds, settings)?;
+    output::print(&format!("{} cases, sealed: SHA-256 {hash} of sealed/SHA256SUMS\n\n", seeds.len()))?;
+    run::run(seeds, settings)
 }
 
 /// The first case of each arm and the one in the middle, by seed.

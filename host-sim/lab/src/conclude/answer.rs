@@ -14,12 +14,14 @@ use crate::report::{
 
 /// The answer of a conclusion, without warnings.
 pub(super) fn answer(problem: &Problem, conclusion: &Conclusion, axis: AxisKind) -> Answer {
-    let fit = fit(problem, conclusion, axis);
+    // Against the noise itself: measured from what is left, whatever was gained would be all there is.
+    let expected = conclusion.best.windows.expected_rms(problem.judged(), 0);
+    let fit = fit(problem, conclusion, expected, axis);
     let missing = conclusion.verdict != judged::Verdict::None;
     Answer {
         schema: 2,
         verdict: verdict(conclusion.verdict),
-        effects: conclusion.effects.iter().map(|named| effect(problem, named, &fit, axis)).collect(),
+        effects: conclusion.effects.iter().map(|named| effect(problem, named, (&fit, expected), axis)).collect(),
         locations: if missing {
             spans(problem, conclusion).iter().map(|span| location(problem, span, axis)).collect()
         } else {
@@ -61,7 +63,7 @@ fn verdict(verdict: judged::Verdict) -> Verdict {
     }
 }
 
-fn fit(problem: &Problem, conclusion: &Conclusion, axis: AxisKind) -> FitAnswer {
+fn fit(problem: &Problem, conclusion: &Conclusion, expected: f64, axis: AxisKind) -> FitAnswer {
     let (nominal, best) = (&conclusion.nominal.windows, &conclusion.best.windows);
     let fitted = 0..problem.fitted;
     let held = problem.judged();
@@ -76,7 +78,7 @@ fn fit(problem: &Problem, conclusion: &Conclusion, axis: AxisKind) -> FitAnswer 
         heldout_after_rms: after,
         noise_floor_rms: floor(fitted),
         heldout_floor_rms: floor_held,
-        excess_explained: explained(before, after, floor_held),
+        excess_explained: explained(before, after, expected),
         unit: Units::of(axis).position.to_owned(),
         horizon_s: HORIZONS_S[0],
     }
@@ -88,7 +90,7 @@ fn explained(before: f64, after: f64, floor: f64) -> f64 {
     if excess > 0.0 { ((before * before - after * after) / excess).clamp(0.0, 1.0) } else { 0.0 }
 }
 
-fn effect(problem: &Problem, named: &Named, fit: &FitAnswer, axis: AxisKind) -> EffectAnswer {
+fn effect(problem: &Problem, named: &Named, (fit, expected): (&FitAnswer, f64), axis: AxisKind) -> EffectAnswer {
     let kinds = vocabulary::effect(named.effect.id).map_or(&[][..], |kind| kind.parameters);
     let without = fit.heldout_after_rms / (1.0 - named.gain).max(1e-9);
     EffectAnswer {
@@ -109,7 +111,7 @@ fn effect(problem: &Problem, named: &Named, fit: &FitAnswer, axis: AxisKind) -> 
         evidence: Evidence {
             heldout_gain: named.gain,
             p_value: named.p_value,
-            excess_explained: explained(without, fit.heldout_after_rms, fit.heldout_floor_rms),
+            excess_explained: explained(without, fit.heldout_after_rms, expected),
         },
         recording: named.recording.and_then(|index| Some(problem.recordings.get(index)?.name.clone())),
     }
@@ -192,4 +194,28 @@ pub(super) fn warnings(problem: &Problem, conclusion: &Conclusion) -> Vec<String
         warnings.push("the search ended at its budget of work: less was tried than would have been".to_owned());
     }
     warnings
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_share_explained_is_that_of_the_excess_over_the_noise() {
+        for (before, after, floor, share) in [
+            (10.0, 1.0, 1.0, 1.0),
+            (10.0, 5.0, 0.0, 0.75),
+            (41.96, 41.63, 1.0, 0.0157),
+            (41.96, 41.63, 41.7, 1.0),
+            // Nothing is in excess of the noise, nothing is explained.
+            (41.96, 41.63, 50.0, 0.0),
+            (1.0, 1.0, 1.0, 0.0),
+            (0.0, 0.0, 0.0, 0.0),
+            // Worse than before.
+            (10.0, 11.0, 1.0, 0.0),
+        ] {
+            let found = explained(before, after, floor);
+            assert!((found - share).abs() < 1e-3, "{before} to {after} over {floor}: {found}");
+        }
+    }
 }

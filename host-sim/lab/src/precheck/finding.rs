@@ -35,6 +35,8 @@ pub enum Problem {
         /// How far it goes.
         travel: f64,
     },
+    /// The rows of an earlier recording again: counted twice, or judged on what was fitted.
+    SameRows,
     /// Too little for the purpose.
     TooShort {
         /// There is.
@@ -113,7 +115,7 @@ impl Finding {
             | Problem::OtherStep { .. } => Column::Position,
             Problem::SlowSampling { .. } | Problem::OtherPeriod { .. } => Column::Time,
             Problem::ConstantEffort { .. } | Problem::SignFlipped { .. } => Column::EffortCmd,
-            Problem::TooShort { .. } | Problem::Inertia { .. } => return None,
+            Problem::SameRows | Problem::TooShort { .. } | Problem::Inertia { .. } => return None,
         };
         Some(column.name(self.axis))
     }
@@ -134,6 +136,11 @@ impl Finding {
         match self.problem {
             Problem::NeverMoves { travel } => {
                 format!("the axis never moves ({travel:.1e} {position} from end to end); record a motion")
+            }
+            Problem::SameRows => {
+                "its rows are those of another recording that is given; give each once: what was fitted cannot \
+                                  be held out"
+                    .to_owned()
             }
             Problem::TooShort { length_s, needed_s } => {
                 format!("{length_s:.3} s is too short, at least {needed_s:.1} s is needed; record longer")

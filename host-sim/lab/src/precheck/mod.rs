@@ -73,6 +73,11 @@ pub fn check(machine: &Machine, fitted: &[Recording], holdout: &[Recording], pur
         let mut add = |problem, severity| {
             findings.push(Finding { recording: recording.name.clone(), axis: recording.axis, problem, severity });
         };
+        let mut earlier = fitted.iter().chain(holdout).take(index);
+        if purpose == Purpose::Diagnose && earlier.any(|other| has_same_rows(other, recording)) {
+            add(Problem::SameRows, Severity::Error);
+            continue;
+        }
         let period_s = median_period_s(&recording.t_s);
         let needed_s = purpose.needed_s(period_s);
         let own_s = self::length_s(recording);
@@ -182,6 +187,10 @@ fn balance(
     } else if inertia.low > FAR_OFF * nominal || inertia.high < nominal / FAR_OFF {
         add(Problem::Inertia { low: inertia.low, high: inertia.high, nominal }, Severity::Warning);
     }
+}
+
+fn has_same_rows(one: &Recording, other: &Recording) -> bool {
+    one.t_s == other.t_s && one.position == other.position && one.effort_cmd == other.effort_cmd
 }
 
 fn length_s(recording: &Recording) -> f64 {

@@ -4,6 +4,7 @@
 //! The seed of a case decides everything about it, its arm included, so that each can be run again alone.
 
 pub mod answer;
+pub mod folder;
 pub mod judge;
 pub mod page;
 pub mod power;

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 use super::judge::{After, nameable};
 use super::tool::{Question, Tool, read_json};
-use super::{Answer, Outcome, rivals};
+use super::{Answer, Outcome, folder, rivals};
 use crate::progress::Progress;
 use crate::{Error, output};
 
@@ -68,11 +68,11 @@ fn of_seed(seed: u64, error: &conceal::Error) -> Error {
 ///
 /// # Errors
 /// A drive that trips, a file that cannot be written.
-pub fn write_only(seeds: &[u64], folder: &Path) -> Result<(), Error> {
+pub fn write_only(seeds: &[u64], out: &Path) -> Result<(), Error> {
     let progress = Progress::new("cases", seeds.len() as u64);
     for &seed in seeds {
         let case = Case::draw(seed);
-        let folder = folder.join(case.blueprint.arm.name()).join(seed.to_string());
+        let folder = folder::case(out, seed);
         output::folder(&folder)?;
         case.write(&folder).map_err(|error| of_seed(seed, &error))?;
         output::write_text(&folder.join("truth.json"), &sealed(&case)?.0)?;
@@ -140,6 +140,7 @@ fn case(seed: u64, settings: &Settings) -> Result<Outcome, Error> {
     let case = Case::draw(seed);
     let (_, hash) = sealed(&case)?;
     let folder = settings.out.join("cases").join(seed.to_string());
+    let is_kept = settings.keep || folder.exists();
     output::folder(&folder)?;
     case.write(&folder).map_err(|error| of_seed(seed, &error))?;
     let effects = &case.blueprint.effects;
@@ -164,8 +165,8 @@ fn case(seed: u64, settings: &Settings) -> Result<Outcome, Error> {
     if settings.rivals {
         outcome.rivals = rivals::answers(&folder, MACHINE, &FITTED, HELD_OUT, &case.truth)?;
     }
-    if !settings.keep {
-        // Recordings come back from the seed; failing to remove them loses nothing.
+    if !is_kept {
+        // What an earlier run kept stays. Recordings come back from the seed; failing to remove them loses nothing.
         let _ = std::fs::remove_dir_all(&folder);
     }
     Ok(outcome)
@@ -198,11 +199,10 @@ fn after(
 /// A folder or a file that cannot be read.
 pub fn merged(folders: &[PathBuf]) -> Result<Ran, Error> {
     let mut ran = Ran::default();
-    for folder in folders {
-        for file in files(&folder.join("outcomes"), "json")? {
+    for file in to_merge(folders)? {
+        if file.extension().is_some_and(|found| found == "json") {
             ran.outcomes.push(read_json(&file)?);
-        }
-        for file in files(&folder.join("failures"), "txt")? {
+        } else {
             let seed = file.file_stem().and_then(|name| name.to_str()).and_then(|name| name.parse().ok());
             let reason = std::fs::read_to_string(&file).unwrap_or_default();
             ran.failures.extend(seed.map(|seed| (seed, reason)));
@@ -214,6 +214,21 @@ pub fn merged(folders: &[PathBuf]) -> Result<Ran, Error> {
     ran.failures.sort();
     ran.failures.dedup_by_key(|(seed, _)| *seed);
     Ok(ran)
+}
+
+/// The files of outcomes and failures that lie in these folders.
+///
+/// # Errors
+/// A folder that cannot be read.
+pub fn to_merge(folders: &[PathBuf]) -> Result<Vec<PathBuf>, Error> {
+    let mut all = Vec::new();
+    for folder in folders {
+        all.extend(files(&folder.join("outcomes"), "json")?);
+        all.extend(files(&folder.join("failures"), "txt")?);
+    }
+    // A folder lists its files in any order.
+    all.sort();
+    Ok(all)
 }
 
 fn files(folder: &Path, extension: &str) -> Result<Vec<PathBuf>, Error> {

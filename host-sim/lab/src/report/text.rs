@@ -56,6 +56,11 @@ pub(super) fn per_cent(share: f64) -> String {
     format!("{:.1}", (1000.0 * share + 1e-9).floor() / 10.0)
 }
 
+/// Relative fall from `before` to `after`, 1; nothing where there is nothing to fall from.
+pub(super) fn fall(before: f64, after: f64) -> f64 {
+    if before > 0.0 { 1.0 - after / before } else { 0.0 }
+}
+
 /// An effect with its values and why it is believed.
 fn write_effect(text: &mut String, effect: &EffectAnswer) -> std::fmt::Result {
     writeln!(text, "\n{}: {}", effect.id, effect.text)?;
@@ -65,10 +70,9 @@ fn write_effect(text: &mut String, effect: &EffectAnswer) -> std::fmt::Result {
     let e = effect.evidence;
     writeln!(
         text,
-        "  held-out error {} % less, p = {:.1e}, explains {} % of the excess",
+        "  held-out error up to {} % less with it than without it, p = {:.1e}",
         per_cent(e.heldout_gain),
-        e.p_value,
-        per_cent(e.excess_explained)
+        e.p_value
     )?;
     if !effect.equivalent.is_empty() {
         writeln!(text, "  these recordings cannot tell it from: {}", effect.equivalent.join(", "))?;
@@ -81,7 +85,7 @@ fn write_fit(text: &mut String, fit: &FitAnswer) -> std::fmt::Result {
     writeln!(
         text,
         "\nWindows of {} s, rms in {}: {:.3e} before, {:.3e} after, noise {:.3e}; \
-         held out {:.3e} before, {:.3e} after, noise {:.3e}.",
+         held out {:.3e} before, {:.3e} after ({} % less), noise {:.3e}: {} % of the excess explained.",
         fit.horizon_s,
         fit.unit,
         fit.before_rms,
@@ -89,7 +93,9 @@ fn write_fit(text: &mut String, fit: &FitAnswer) -> std::fmt::Result {
         fit.noise_floor_rms,
         fit.heldout_before_rms,
         fit.heldout_after_rms,
-        fit.heldout_floor_rms
+        per_cent(fall(fit.heldout_before_rms, fit.heldout_after_rms)),
+        fit.heldout_floor_rms,
+        per_cent(fit.excess_explained)
     )
 }
 
@@ -112,4 +118,76 @@ fn write_remainder(text: &mut String, left: &RemainderAnswer) -> std::fmt::Resul
         )?;
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::{Evidence, Interval};
+
+    fn answer(verdict: Verdict, fit: FitAnswer) -> Answer {
+        let parameter = Interval { id: "amplitude_nm".into(), value: 18.0, low: 17.0, high: 19.0, unit: "N m".into() };
+        let effect = EffectAnswer {
+            id: "cogging".into(),
+            text: "Torque repeats over a revolution.".into(),
+            equivalent: Vec::new(),
+            parameters: vec![parameter],
+            evidence: Evidence { heldout_gain: 0.9999, p_value: 1e-13, excess_explained: 1.0 },
+            recording: None,
+        };
+        Answer { verdict, effects: vec![effect], fit, ..Answer::default() }
+    }
+
+    #[test]
+    fn what_is_gained_is_never_rounded_up() {
+        for (share, text) in [
+            (0.0, "0.0"),
+            (0.9996, "99.9"),
+            (0.999_999, "99.9"),
+            (1.0, "100.0"),
+            (0.54, "54.0"),
+            (0.0099, "0.9"),
+            (-0.0001, "-0.1"),
+        ] {
+            assert_eq!(per_cent(share), text, "{share}");
+        }
+    }
+
+    #[test]
+    fn a_fall_from_nothing_is_none() {
+        for (before, after, expected) in [(2.0, 1.0, 0.5), (0.0, 0.0, 0.0), (1.0, 1.0, 0.0), (1.0, 2.0, -1.0)] {
+            assert_eq!(fall(before, after), expected);
+        }
+    }
+
+    /// Text and page show the same figures, of the same residual.
+    #[test]
+    fn the_fall_of_the_held_out_error_is_one_number() {
+        let fit = FitAnswer {
+            heldout_before_rms: 41.96e-6,
+            heldout_after_rms: 41.63e-6,
+            excess_explained: 0.031,
+            ..FitAnswer::default()
+        };
+        let answer = answer(Verdict::Named, fit);
+        let text = summary(&answer);
+        assert!(text.contains("(0.7 % less)") && text.contains("3.1 % of the excess explained"), "{text}");
+        let sentence = super::super::html::sentence(&answer);
+        assert!(sentence.contains("is 0.7 % less"), "{sentence}");
+    }
+
+    #[test]
+    fn what_is_not_believed_is_titled_so() {
+        let verdicts = [Verdict::Unknown, Verdict::Named, Verdict::Partial, Verdict::Ambiguous];
+        for verdict in verdicts {
+            let text = summary(&answer(verdict, FitAnswer::default()));
+            let titled = text.contains("\nFitted, but not believed:\n\ncogging:");
+            assert_eq!(titled, verdict == Verdict::Unknown, "{text}");
+            assert_eq!(
+                text.contains("This is missing"),
+                matches!(verdict, Verdict::Named | Verdict::Partial),
+                "{text}"
+            );
+        }
+    }
 }

@@ -29,6 +29,15 @@ pub struct Files {
     force: bool,
     inputs: Vec<PathBuf>,
     outputs: Vec<PathBuf>,
+    filled: Option<Filled>,
+}
+
+/// Folders that a command fills with files whose names it need not tell.
+#[derive(Debug)]
+struct Filled {
+    folders: Vec<PathBuf>,
+    /// With the tool's mark: the folders are its own.
+    label: Output,
 }
 
 /// One of the outputs that [`Files::writes`] was told.
@@ -65,8 +74,17 @@ impl Files {
         Output(self.outputs.len() - 1)
     }
 
+    /// Tells folders that will be filled, which from now on are the tool's own: anything in them may be replaced. `label`, a
+    /// file outside of them that must be written first, tells so.
+    pub fn fills(&mut self, folders: Vec<PathBuf>, label: &Path) -> Output {
+        let label = self.writes(label);
+        self.filled = Some(Filled { folders, label });
+        label
+    }
+
     /// Refuses an output that is an input or another output (by whatever name or link), that exists and was not written by
-    /// servo-lab, or in whose place no file can be made. Nothing is changed.
+    /// servo-lab, or in whose place no file can be made; a folder to fill that holds any of them, or files and no label. Nothing
+    /// is changed.
     ///
     /// # Errors
     ///
@@ -91,7 +109,33 @@ impl Files {
             probe(&identity.path).map_err(|error| failed(file, &error))?;
             earlier.push((file, identity));
         }
+        if let Some(filled) = &self.filled {
+            let told: Vec<_> = inputs.into_iter().chain(earlier).collect();
+            filled.folders.iter().try_for_each(|folder| self.may_fill(folder, filled.label, &told))?;
+        }
         Ok(Outputs { inputs: self.inputs, outputs: self.outputs, staged: Vec::new() })
+    }
+
+    /// Whether a folder may be filled, and everything in it replaced.
+    fn may_fill(&self, folder: &Path, label: Output, told: &[(&PathBuf, Identity)]) -> Result<(), Error> {
+        let refused = |reason: String| Error::Output { file: folder.to_path_buf(), reason };
+        let place = place::resolved(folder).map_err(|error| failed(folder, &error))?;
+        if let Some((file, _)) = told.iter().find(|(_, one)| one.path.starts_with(&place)) {
+            return Err(refused(format!(
+                "it will be filled, and `{}` is in it; choose another folder",
+                file.display()
+            )));
+        }
+        match place.ancestors().find(|above| above.exists()) {
+            Some(above) if !above.is_dir() => return Err(refused(format!("{} is no folder", above.display()))),
+            Some(above) if above == place => {}
+            _ => return Ok(()),
+        }
+        let is_empty = fs::read_dir(&place).map_err(|error| failed(folder, &error))?.next().is_none();
+        if is_empty || self.force || mark::is_marked(&self.outputs[label.0]).unwrap_or(false) {
+            return Ok(());
+        }
+        Err(refused("it holds files and servo-lab did not fill it; choose another, or fill it with --force".to_owned()))
     }
 
     /// Whether what is there may go.

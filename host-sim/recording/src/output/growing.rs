@@ -1,10 +1,10 @@
 //! A recording that is written while it comes in.
 
-use std::fs;
+use std::fs::{self, File};
 use std::io::{self, BufWriter};
 use std::path::{Path, PathBuf};
 
-use tempfile::NamedTempFile;
+use tempfile::TempPath;
 
 use super::{csv_recording, failed, place, temporary_beside};
 use crate::Error;
@@ -15,7 +15,8 @@ use crate::Recording;
 pub struct Growing {
     file: PathBuf,
     target: PathBuf,
-    to: BufWriter<NamedTempFile>,
+    to: BufWriter<File>,
+    temporary: TempPath,
     has_header: bool,
 }
 
@@ -31,8 +32,9 @@ impl Growing {
                 Ok(there) if !there.is_file() => return Err(io::Error::other("it is there and not a regular file")),
                 _ => place::resolved(file)?,
             };
-            let to = BufWriter::new(temporary_beside(&target)?);
-            Ok(Self { file: file.to_path_buf(), target, to, has_header: false })
+            // In parts: together they name the temporary file in an error.
+            let (to, temporary) = temporary_beside(&target)?.into_parts();
+            Ok(Self { file: file.to_path_buf(), target, to: BufWriter::new(to), temporary, has_header: false })
         };
         begin().map_err(|error| failed(file, &error))
     }
@@ -54,8 +56,8 @@ impl Growing {
     ///
     /// [`Error::Output`]; what stood there before is untouched then.
     pub fn finish(self) -> Result<(), Error> {
-        let Self { file, target, to, .. } = self;
-        let temporary = to.into_inner().map_err(|error| failed(&file, error.error()))?;
+        let Self { file, target, to, temporary, .. } = self;
+        to.into_inner().map_err(|error| failed(&file, error.error()))?;
         temporary.persist(target).map(drop).map_err(|error| failed(&file, &error.error))
     }
 }

@@ -99,16 +99,13 @@ fn fill_and_flush(file: &mut File, fill: impl FnOnce(&mut BufWriter<&mut File>) 
 fn temporary_beside(target: &Path) -> io::Result<NamedTempFile> {
     let folder = place::folder_of(target);
     place::make_folder(&folder)?;
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".servo-lab-");
-    // As any new file: readable by others unless the user's mask says otherwise, where a temporary file is not.
-    #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    builder.tempfile_in(folder)
+    // Opened here, as any new file: readable by others unless the user's mask says otherwise, where a temporary file is not; and
+    // an error does not name it.
+    let open = |file: &Path| OpenOptions::new().read(true).write(true).create_new(true).open(file);
+    tempfile::Builder::new().prefix(".servo-lab-").make_in(folder, open)
 }
 
-/// What went wrong with `file`, by the name the user gave it: an error about the temporary file names that one, and holds
-/// the system's own below.
+/// What went wrong with `file`, by the name the user gave it.
 fn failed(file: &Path, error: &io::Error) -> Error {
     let below = error.get_ref().and_then(|inner| inner.source()).map(ToString::to_string);
     let reason = below.unwrap_or_else(|| error.to_string()).replace('\n', " ");

@@ -28,6 +28,9 @@ const STEPS_OF_TRAVEL: f64 = 50.0;
 /// A log that cannot be read as a recording.
 pub(super) fn checks(file: &Path, machine: Option<&Machine>, flags: &[MapFlag]) -> Result<Vec<Check>, Error> {
     let recording = read(file, machine, flags)?;
+    if recording.rows() < 2 {
+        return Ok(vec![Check::new(State::Bad, "rate", "one row tells nothing; record longer".to_owned())]);
+    }
     let period_s = median_period_s(&recording.t_s);
     let resolution = position_step(&recording.position).unwrap_or(0.0);
     let axis = Axis { kind: recording.axis, sample_period_s: period_s.clamp(1e-9, 1.0), resolution };

@@ -74,6 +74,9 @@ fn find(args: &Args) -> Result<Findings<'_>, Error> {
     let mut axis = Axis { kind, sample_period_s: 1e-3, resolution: 0.0 };
     let mut mapping = mapping_of(&guesses, kind).map_err(usage)?;
     let mut recordings = read(&args.logs, &axis, &mapping)?;
+    if let Some(short) = recordings.iter().find(|recording| recording.rows() < 2) {
+        return Err(Error::Usage(format!("{}: one row tells nothing; record longer", short.name)));
+    }
     axis.sample_period_s = recordings.first().map_or(1e-3, |recording| median_period_s(&recording.t_s)).min(1.0);
     let steps = recordings.iter().filter_map(|recording| position_step(&recording.position));
     axis.resolution = steps.reduce(f64::min).unwrap_or(0.0);

@@ -12,6 +12,8 @@ mod words;
 
 pub use data::PlotData;
 use maps::{Band, MapPlot};
+#[cfg(test)]
+pub(crate) use words::sentence;
 
 use crate::Error;
 use crate::output::Provenance;

@@ -3,10 +3,10 @@
 use super::data::prefix;
 use super::escape::text;
 use super::windows::WINDOW_S;
-use super::words::{estimate, interval, number, p_value, per_cent_explained, title};
+use super::words::{estimate, interval, number, p_value, title};
 use super::{MapPlot, PlotData};
 use crate::output::{Input, Provenance};
-use crate::report::text::per_cent;
+use crate::report::text::{fall, per_cent};
 use crate::report::{Answer, EffectAnswer};
 
 /// Every effect of the best model: what it is, its values, why it is believed or that it is not.
@@ -32,11 +32,10 @@ fn effect(effect: &EffectAnswer) -> String {
         table("Values in the improved model", &["parameter", "value", "95 % interval", "unit"], rows.collect());
     let evidence = &effect.evidence;
     let because = format!(
-        "<p class=\"quiet\">Held-out error {} % less with it; p {} after correction for everything tried; removes {} % of \
-         the excess over the noise.</p>",
+        "<p class=\"quiet\">Held-out error up to {} % less with it than without it; p {} after correction for everything \
+         tried.</p>",
         per_cent(evidence.heldout_gain),
         text(&p_value(evidence.p_value)),
-        text(&per_cent_explained(evidence.excess_explained))
     );
     let others: Vec<String> = effect.equivalent.iter().map(|id| format!("<code>{}</code>", text(id))).collect();
     let others = if others.is_empty() {
@@ -58,7 +57,7 @@ pub(super) fn fit(answer: &Answer) -> String {
     let fit = &answer.fit;
     let (prefix, factor) = prefix(fit.before_rms.max(fit.heldout_before_rms));
     let row = |name: &str, before: f64, after: f64, floor: f64| {
-        let less = per_cent(1.0 - after / before.max(f64::MIN_POSITIVE));
+        let less = per_cent(fall(before, after));
         let [before, after, floor] = [before, after, floor].map(|rms| number(rms * factor, 0.0));
         vec![name.to_owned(), before, after, format!("{less} %"), floor]
     };
@@ -71,7 +70,7 @@ pub(super) fn fit(answer: &Answer) -> String {
     let table = table(&caption, &["data", "nominal", "improved", "less", "noise alone"], rows);
     let floor = format!(
         "<p class=\"quiet\">The improved model explains {} % of the excess over the noise.</p>",
-        text(&per_cent_explained(fit.excess_explained))
+        per_cent(fit.excess_explained)
     );
     section("fit", "How well it fits", &format!("{table}{floor}"))
 }

@@ -133,7 +133,7 @@ fn the_page_says_the_answer() {
     let page = written(Verdict::Named);
     for part in [
         "The model lacks coulomb friction (0.9501\u{a0}N\u{a0}m)",
-        "on data the fit never saw is 75 % less",
+        "on data the fit never saw is 75.0 % less",
         "0.9482 to 0.9523",
         "What is left",
         "What was rejected",
@@ -148,6 +148,16 @@ fn the_page_says_the_answer() {
     assert!(written(Verdict::Unknown).contains("nothing in the vocabulary explains it"));
     assert!(written(Verdict::Controller).contains("no physics is named"));
     assert!(written(Verdict::Ambiguous).contains("cannot tell which"));
+}
+
+#[test]
+fn effects_of_an_unknown_are_titled_as_not_believed() {
+    for verdict in [Verdict::Unknown, Verdict::Named, Verdict::Partial, Verdict::Ambiguous] {
+        let page = written(verdict);
+        let is_unknown = verdict == Verdict::Unknown;
+        assert_eq!(page.contains(">Fitted, but not believed</h2>"), is_unknown, "{verdict:?}");
+        assert_eq!(page.contains(">What is missing</h2>"), !is_unknown, "{verdict:?}");
+    }
 }
 
 #[test]

@@ -1,26 +1,26 @@
 //! The answer in a sentence, and numbers as a reader takes them.
 
+use crate::report::text::{fall, per_cent};
 use crate::report::{Answer, EffectAnswer, Interval, Verdict};
 
 /// The answer in one sentence.
-pub(super) fn sentence(answer: &Answer) -> String {
+pub(crate) fn sentence(answer: &Answer) -> String {
     let found: Vec<String> = answer.effects.iter().map(named).collect();
     let found = listed(&found);
     let fit = &answer.fit;
-    // What is gained is rounded down, and what is left up.
-    let fall = (100.0 * (1.0 - fit.heldout_after_rms / fit.heldout_before_rms.max(f64::MIN_POSITIVE)) + 1e-9).floor();
+    let fall = per_cent(fall(fit.heldout_before_rms, fit.heldout_after_rms));
     match answer.verdict {
         Verdict::None => "Nothing is missing from the model beyond the noise of these recordings.".to_owned(),
         Verdict::Named => {
             let it = if answer.effects.len() > 1 { "them" } else { "it" };
-            format!("The model lacks {found}; with {it}, the error on data the fit never saw is {fall:.0} % less.")
+            format!("The model lacks {found}; with {it}, the error on data the fit never saw is {fall} % less.")
         }
         Verdict::Partial => {
             let left = answer.remainder.as_ref().map_or_else(String::new, |left| {
                 format!(", {} rms of it", with_unit(&format!("{:.3}", left.effort_rms), &left.unit))
             });
             format!(
-                "The model lacks {found}, which takes {fall:.0} % of the error on data the fit never saw; something more is \
+                "The model lacks {found}, which takes {fall} % of the error on data the fit never saw; something more is \
                  left that is not explained{left}."
             )
         }
@@ -89,12 +89,6 @@ pub(super) fn number(value: f64, width: f64) -> String {
     format!("{value:.decimals$}")
 }
 
-/// A share of the excess in per cent, never rounded up to the whole of it.
-pub(super) fn per_cent_explained(share: f64) -> String {
-    let per_cent = 100.0 * share;
-    if per_cent < 99.0 { format!("{per_cent:.0}") } else { format!("{}", (10.0 * per_cent).floor() / 10.0) }
-}
-
 /// A p value; what cannot be told from zero is said to be small.
 pub(super) fn p_value(p: f64) -> String {
     if p < 1e-12 { "< 1e-12".to_owned() } else { format!("{p:.1e}") }
@@ -112,11 +106,6 @@ mod tests {
         assert_eq!(number(0.0, 0.0), "0");
         assert_eq!(number(2.5e-7, 4e-9), "2.500e-7");
         assert_eq!(number(f64::INFINITY, 1.0), "unbounded");
-    }
-
-    #[test]
-    fn only_the_whole_excess_is_all_of_it() {
-        assert_eq!([0.5, 0.9996, 1.0].map(per_cent_explained), ["50", "99.9", "100"]);
     }
 
     #[test]
