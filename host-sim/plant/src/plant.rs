@@ -53,7 +53,7 @@ impl Plant {
         self.actuation.command(command);
         while self.actuation.now_s() < until_s {
             let segment = self.actuation.next_segment(until_s);
-            self.mechanics.run(&segment, segment.start_s, segment.end_s, &mut self.state);
+            let _ = self.mechanics.run(&segment, segment.start_s, segment.end_s, &mut self.state);
             self.last = Some(segment);
         }
         Ok(())

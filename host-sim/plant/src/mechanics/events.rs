@@ -70,9 +70,9 @@ fn least_advance_s(turns: i32) -> f64 {
     LEAST_ADVANCE_S * 2.0_f64.powi(((turns - PATIENCE) / TURNS_TO_DOUBLE).max(0))
 }
 
-/// Moves `x` from `from_s` to `to_s` within the segment; both count from its start.
+/// Moves `x` from `from_s` to `to_s` within the segment; both count from its start. Gives the number of steps and events.
 #[inline]
-pub(crate) fn run<F: Flow>(flow: &F, segment: &Segment, from_s: f64, to_s: f64, x: &mut State) {
+pub(crate) fn run<F: Flow>(flow: &F, segment: &Segment, from_s: f64, to_s: f64, x: &mut State) -> i32 {
     let mut t = from_s;
     let mut turns = 0;
     flow.enter(segment, t, x);
@@ -84,6 +84,7 @@ pub(crate) fn run<F: Flow>(flow: &F, segment: &Segment, from_s: f64, to_s: f64, 
         };
         turns += 1;
     }
+    turns
 }
 
 /// Waits for break-away; returns the time reached. The rotor has not moved, but a load behind it may have.

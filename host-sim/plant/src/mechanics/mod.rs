@@ -9,6 +9,9 @@ mod phi;
 mod root;
 mod state;
 
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+
 use crate::sensor::SensorModel;
 use crate::{Error, Model, Segment, Timeline};
 use exact::Exact;
@@ -20,7 +23,12 @@ pub use state::{Motion, State};
 pub struct Mechanics {
     path: Path,
     sensor: SensorModel,
+    /// Where the work of every simulation is added.
+    work: Option<Arc<AtomicU64>>,
 }
+
+/// Work of a step of a law without a closed form, in steps of one that has it: the ratio of their measured times.
+const GENERAL_WORK: u64 = 8;
 
 /// How the motion is integrated.
 #[derive(Debug, Clone)]
@@ -41,7 +49,14 @@ impl Mechanics {
         } else {
             Path::General(Box::new(General::new(model)))
         };
-        Ok(Self { path, sensor: model.sensor.clone() })
+        Ok(Self { path, sensor: model.sensor.clone(), work: None })
+    }
+
+    /// The same, adding the work of every simulation to a counter: steps and events, those of a law without a closed form
+    /// counted eightfold. It depends on nothing but model, commands and times, unlike a clock.
+    #[must_use]
+    pub fn counting(self, work: &Arc<AtomicU64>) -> Self {
+        Self { work: Some(Arc::clone(work)), ..self }
     }
 
     /// The systematic part of the sensor.
@@ -51,7 +66,7 @@ impl Mechanics {
 
     /// Moves `state` through `segment` from `from_s` to `to_s`, absolute times within it.
     #[inline]
-    pub(crate) fn run(&self, segment: &Segment, from_s: f64, to_s: f64, state: &mut State) {
+    pub(crate) fn run(&self, segment: &Segment, from_s: f64, to_s: f64, state: &mut State) -> i32 {
         let (from_s, to_s) = (from_s - segment.start_s, to_s - segment.start_s);
         match &self.path {
             Path::Exact(flow) => events::run(flow, segment, from_s, to_s, state),
@@ -83,6 +98,7 @@ impl Mechanics {
         let mut state = state.with_motion();
         let mut now_s = start_s - self.sensor.latency_s;
         let mut cursor = timeline.at(now_s);
+        let mut steps = 0_u64;
         for (&sample_s, position) in sample_times_s.iter().zip(positions) {
             let sample_s = sample_s - self.sensor.latency_s;
             if !(sample_s >= now_s && sample_s.is_finite()) {
@@ -91,10 +107,14 @@ impl Mechanics {
             while now_s < sample_s {
                 let segment = cursor.segment(now_s);
                 let end_s = segment.end_s.min(sample_s);
-                self.run(segment, now_s, end_s, &mut state);
+                steps += u64::from(self.run(segment, now_s, end_s, &mut state).unsigned_abs());
                 now_s = end_s;
             }
             *position = self.sensor.distorted(state.position);
+        }
+        if let Some(work) = &self.work {
+            let each = if matches!(self.path, Path::Exact(_)) { 1 } else { GENERAL_WORK };
+            work.fetch_add(each * steps, Ordering::Relaxed);
         }
         Ok(state)
     }
