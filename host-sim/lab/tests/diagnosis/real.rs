@@ -10,33 +10,23 @@ use lab::report::Answer;
 #[test]
 #[cfg_attr(debug_assertions, ignore = "a minute without optimisation; the tests in release run it")]
 fn dry_friction_of_the_emps_axis_comes_first_and_within_five_percent() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/emps");
-    if !folder.is_dir() {
-        println!("skipped: {} is not there", folder.display());
-        return;
-    }
-    let machine = Machine::read(&folder.join("machine.toml")).unwrap();
-    let recordings = [Recording::read(&folder.join("train.csv"), None).unwrap()];
-    let request = Request { machine: &machine, recordings: &recordings, holdout: &[], vocabulary: &VOCABULARY };
-    let answer = diagnose(&request).unwrap().answer;
+    let Some(answer) = diagnosed("emps", &["train.csv"], &[], "") else { return };
     let first = &answer.effects[0];
     assert_eq!(first.id, "coulomb_friction", "{answer:?}");
     assert!((first.parameters[0].value / 20.39 - 1.0).abs() < 0.05, "{first:?}");
-    let asymmetry = answer.effects.iter().find(|effect| effect.id == "friction_asymmetry").unwrap();
-    // Slopes of 166.7 and 240.4 N s/m were published.
-    assert!((asymmetry.parameters[1].value / -73.7 - 1.0).abs() < 0.15, "{asymmetry:?}");
 }
 
-/// The published model with an offset has no asymmetry of the slope, and the other way round: they explain the same.
+/// The published model has an offset of 3.165 N and no asymmetry, which explains the same.
 #[test]
 #[cfg_attr(debug_assertions, ignore = "a minute without optimisation; the tests in release run it")]
 fn without_an_asymmetry_the_emps_axis_has_the_published_offset() {
     let Some(answer) = diagnosed("emps", &["train.csv"], &["pulses.csv"], "friction_asymmetry") else { return };
     assert_eq!(answer.effects[0].id, "coulomb_friction", "{answer:?}");
     let offset = answer.effects.iter().find(|effect| effect.id == "torque_offset").unwrap();
-    assert!((offset.parameters[0].value / 3.165 - 1.0).abs() < 0.10, "{offset:?}");
+    let value = &offset.parameters[0];
+    assert!(value.low < 3.165 && 3.165 < value.high, "{offset:?}");
     let fit = &answer.fit;
-    let excess = |rms: f64| rms.powi(2) - fit.noise_floor_rms.powi(2);
+    let excess = |rms: f64| rms.powi(2) - fit.heldout_floor_rms.powi(2);
     assert!(excess(fit.heldout_after_rms) < 0.3 * excess(fit.heldout_before_rms), "{fit:?}");
 }
 
@@ -49,13 +39,16 @@ fn cogging_of_the_odrive_motor_has_the_orders_and_sizes_of_its_map() {
     let Some(answer) = diagnosed("odrive_cogging", &["slow2_nocomp_0.csv"], &["slow2_nocomp_1.csv"], "") else {
         return;
     };
-    let first: Vec<_> = answer.effects.iter().take(3).filter(|effect| effect.id == "cogging").collect();
+    let named: Vec<_> = answer.effects.iter().map(|effect| (effect.id.as_str(), &effect.parameters)).collect();
+    println!("{:?} {named:?}", answer.verdict);
+    let waves = || answer.effects.iter().filter(|effect| effect.id == "cogging");
     for (order, amplitude) in MAP {
-        let found = first.iter().find(|effect| effect.parameters[1].value == order).unwrap();
+        let found = waves().find(|effect| (effect.parameters[1].value - order).abs() < 0.1).unwrap();
         let ratio = found.parameters[0].value / amplitude;
         assert!((ratio - 1.0).abs() < 0.2, "order {order}: {ratio:.3} of the map");
     }
-    assert!(answer.warnings.iter().any(|warning| warning.contains("filter")), "{:?}", answer.warnings);
+    // The current is logged behind a filter of 0.1 s.
+    assert!(named.iter().any(|(id, _)| *id == "torque_filter"), "{named:?}");
 }
 
 /// The answer on recordings of a folder of the shared data; none, with the reason printed, where it is not there.
