@@ -127,6 +127,7 @@ fn what_cannot_be_written_is_known_first_by_the_users_name() {
         "compare --machine m.toml run.csv --plots notes.txt/plots",
         "tune --out notes.txt/tune",
         "paper --out notes.txt/paper",
+        "guide --out notes.txt/guide",
         "demo --out notes.txt/demo",
         "man --out notes.txt/man",
         "prove --case 0 --out notes.txt/proof",
