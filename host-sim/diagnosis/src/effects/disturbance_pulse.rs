@@ -12,10 +12,12 @@ pub static EFFECT: Effect = Effect {
     sentence: "Something pushed the machine once: a hand, a collision, a snagging cable.",
     parameters: &[fixed(), free(0.0, 1e6, 0.01), free(2e-3, 1e3, 0.01), sized(Size::Torque, -1e2, 1e2, 0.05)],
     starts: |_, e| {
+        // A rotor at rest answers a push only beyond what holds it.
+        let sizes = [0.1, 1.0, 3.0].map(|size| size * e.torque_rms);
         let values = |&(recording, pulse, _): &(usize, Pulse, f64)| {
-            vec![recording as f64, pulse.start_s, pulse.duration_s, pulse.amplitude]
+            sizes.map(|size| vec![recording as f64, pulse.start_s, pulse.duration_s, size * pulse.amplitude])
         };
-        e.pulses.iter().map(values).collect()
+        e.pulses.iter().flat_map(values).collect()
     },
     put: |p, v| {
         let pulse = Pulse { start_s: v[1], duration_s: v[2].max(0.0), amplitude: v[3] };

@@ -157,12 +157,12 @@ impl Kept {
     }
 
     /// Sensitivity of half the squared whitened innovations of one recording to a torque in each substep, with the sign of the
-    /// torque that is missing.
-    pub(crate) fn missing_torque(&self, problem: &Problem, index: usize) -> Vec<f64> {
+    /// torque that is missing; `holds` as in [`Prepared::missing_torque`].
+    pub(crate) fn missing_torque(&self, problem: &Problem, index: usize, holds: bool) -> Vec<f64> {
         let kept = &self.recordings[index];
         let driven = driven(problem, index, &kept.acting);
         match (&kept.path, problem.motions.get(index)) {
-            (Some(path), _) => kept.prepared.missing_torque(path, &kept.innovations, driven.grid),
+            (Some(path), _) => kept.prepared.missing_torque(path, &kept.innovations, driven.grid, holds),
             (None, Some(motion)) => kept.prepared.missing_along(motion, driven, &kept.innovations, &self.noise[index]),
             (None, None) => vec![0.0; driven.grid.substeps()],
         }

@@ -8,7 +8,7 @@ use crate::physics::Physics;
 use crate::problem::Problem;
 
 pub use evaluate::{Evaluation, evaluate, noise_of};
-pub(crate) use evaluate::{Kept, kept};
+pub(crate) use evaluate::{Kept, KeptRecording, kept};
 pub use refit::{Refitted, refit};
 pub(crate) use refit::{columns, ranges};
 

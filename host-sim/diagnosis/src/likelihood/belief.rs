@@ -244,7 +244,7 @@ impl Laws {
         spread(p, &jacobian);
         self.stir(p, step.dt_s, push[SPEED] * push[SPEED] * torque_variance + speed.rest);
         p[ROUNDING][ROUNDING] += (1.0 - kept * kept) * rounding.variance;
-        Linear { jacobian, push, speed_sd, twist_sd }
+        Linear { jacobian, push, gain: free.gain, speed_sd, twist_sd }
     }
 
     /// Widens a covariance over a substep along a linearised path.
@@ -350,6 +350,8 @@ pub(crate) struct Linear<const N: usize> {
     pub(crate) jacobian: [[f64; N]; N],
     /// Response of the state to a torque of one.
     pub(crate) push: [f64; N],
+    /// Response of the speed to a torque of one, were there no dry friction.
+    pub(crate) gain: f64,
     pub(crate) speed_sd: f64,
     pub(crate) twist_sd: f64,
 }

@@ -7,7 +7,7 @@ use rustfft::FftPlanner;
 use rustfft::num_complex::Complex;
 
 use crate::effects::Excitation;
-use crate::hypothesis::Kept;
+use crate::hypothesis::{Kept, KeptRecording};
 use crate::likelihood::filter::HUBER;
 use crate::likelihood::inverse::Motion;
 use crate::physics::Tone;
@@ -25,30 +25,37 @@ const INDEPENDENT_LENGTHS: usize = 3;
 
 /// What the motion excites, with the orders, tones and pushes that stand out of what a pass leaves.
 pub(crate) fn seek(problem: &Problem, path: &Kept) -> Excitation {
-    let missing: Vec<Missing> = path
-        .recordings
-        .iter()
-        .enumerate()
-        .map(|(index, kept)| {
-            let grid = &problem.grids[index];
-            let fine = path.missing_torque(problem, index);
-            // One value a row: the sum over its substeps.
-            let sum = |row: usize| fine[grid.first[row] as usize..grid.first[row + 1] as usize].iter().sum();
-            Missing {
-                torque: (0..grid.dt_s.len()).map(sum).collect(),
-                position: &kept.innovations.position,
-                t_s: &problem.recordings[index].t_s,
-            }
-        })
-        .collect();
+    let missing = |holds: bool| -> Vec<Missing<'_>> {
+        let of = |(index, kept)| of_recording(problem, path, index, kept, holds);
+        path.recordings.iter().enumerate().map(of).collect()
+    };
+    let (missing, if_free) = (missing(true), missing(false));
     let mut excitation = problem.excitation.clone();
     excitation.orders = orders(&missing, &problem.excitation);
     excitation.tones = tones(&missing, excitation.recordings);
-    excitation.pulses = pushes(&missing, problem.motions.first().map_or(0.0, Motion::support_s));
+    excitation.pulses = pushes(&if_free, problem.motions.first().map_or(0.0, Motion::support_s));
     excitation.glitch = glitch(path);
     let rows = missing.iter().map(|one| one.torque.len()).max().unwrap_or(0) as f64;
     excitation.looked_at = [HIGHEST_ORDER as f64, rows, rows * PUSHES_S.len() as f64];
     excitation
+}
+
+fn of_recording<'a>(
+    problem: &'a Problem,
+    path: &Kept,
+    index: usize,
+    kept: &'a KeptRecording,
+    holds: bool,
+) -> Missing<'a> {
+    let grid = &problem.grids[index];
+    let fine = path.missing_torque(problem, index, holds);
+    // One value a row: the sum over its substeps.
+    let sum = |row: usize| fine[grid.first[row] as usize..grid.first[row + 1] as usize].iter().sum();
+    Missing {
+        torque: (0..grid.dt_s.len()).map(sum).collect(),
+        position: &kept.innovations.position,
+        t_s: &problem.recordings[index].t_s,
+    }
 }
 
 /// Wrong samples that make a habit and no accident.

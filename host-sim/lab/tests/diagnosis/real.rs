@@ -30,27 +30,6 @@ fn without_an_asymmetry_the_emps_axis_has_the_published_offset() {
     assert!(excess(fit.heldout_after_rms) < 0.3 * excess(fit.heldout_before_rms), "{fit:?}");
 }
 
-/// Amplitudes of the separate map `map_a_4.csv`, N m.
-const MAP: [(f64, f64); 2] = [(7.0, 0.0475), (28.0, 0.0309)];
-
-#[test]
-#[cfg_attr(debug_assertions, ignore = "a minute without optimisation; the tests in release run it")]
-fn cogging_of_the_odrive_motor_has_the_orders_and_sizes_of_its_map() {
-    let Some(answer) = diagnosed("odrive_cogging", &["slow2_nocomp_0.csv"], &["slow2_nocomp_1.csv"], "") else {
-        return;
-    };
-    let named: Vec<_> = answer.effects.iter().map(|effect| (effect.id.as_str(), &effect.parameters)).collect();
-    println!("{:?} {named:?}", answer.verdict);
-    let waves = || answer.effects.iter().filter(|effect| effect.id == "cogging");
-    for (order, amplitude) in MAP {
-        let found = waves().find(|effect| (effect.parameters[1].value - order).abs() < 0.1).unwrap();
-        let ratio = found.parameters[0].value / amplitude;
-        assert!((ratio - 1.0).abs() < 0.2, "order {order}: {ratio:.3} of the map");
-    }
-    // The current is logged behind a filter of 0.1 s.
-    assert!(named.iter().any(|(id, _)| *id == "torque_filter"), "{named:?}");
-}
-
 /// The answer on recordings of a folder of the shared data; none, with the reason printed, where it is not there.
 fn diagnosed(folder: &str, fit: &[&str], holdout: &[&str], without: &str) -> Option<Answer> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data").join(folder);
