@@ -79,18 +79,17 @@ impl Line {
     }
 }
 
-/// A TCP connection to this very machine: the link neither encrypts nor asks who is there.
+/// A TCP connection to this very machine: the link neither encrypts nor asks who is there. To any other none is opened.
 fn tunnel(address: &str) -> Result<TcpStream, Error> {
-    let stream = tcp(address)?;
-    let peer = stream.peer_addr().map_err(|error| Error::connection(address, error))?;
-    if peer.ip().is_loopback() {
-        return Ok(stream);
+    let resolved = address.to_socket_addrs().map_err(|error| Error::connection(address, error))?;
+    if let Some(other) = resolved.into_iter().find(|resolved| !resolved.ip().is_loopback()) {
+        return Err(Error::Usage(format!(
+            "{address}: is another machine, and the link neither encrypts nor asks who is there: tunnel it \
+             (ssh -L {port}:127.0.0.1:{port} HOST) and connect to 127.0.0.1:{port}",
+            port = other.port()
+        )));
     }
-    Err(Error::Usage(format!(
-        "{address}: is another machine, and the link neither encrypts nor asks who is there: tunnel it \
-         (ssh -L {port}:127.0.0.1:{port} HOST) and connect to 127.0.0.1:{port}",
-        port = peer.port()
-    )))
+    tcp(address)
 }
 
 /// A TCP connection whose reads and writes give up.

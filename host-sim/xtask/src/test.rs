@@ -24,6 +24,8 @@ pub fn all() -> Result<(), String> {
         command.env("RUSTDOCFLAGS", "-D warnings");
         command
     })?;
+    // Who has no probe never builds it.
+    steps.cargo("clippy, probe", &["clippy", "-p", "lab", "--features", "probe", "--", "-D", "warnings"])?;
     // Before the tests: those of the log read its strings.
     steps.step("firmware", || firmware::build().map(|image| image.print()))?;
     // Diagnosis, laboratory and analysis are slow without optimisation and take long to build; with it, all of their tests run.

@@ -39,10 +39,10 @@ struct From {
     /// Address of an RTT server that passes on channel 0 (OpenOCD `rtt server start`, J-Link, a bridge).
     #[arg(long, value_name = "HOST:PORT")]
     tcp: Option<String>,
-    /// Debug probe on a chip, as probe-rs names it.
+    /// The first debug probe that is connected; it reads memory and never halts the core.
     #[cfg(feature = "probe")]
-    #[arg(long, value_name = "CHIP", num_args = 0..=1, default_missing_value = "STM32F427VITx")]
-    probe: Option<String>,
+    #[arg(long)]
+    probe: bool,
     /// File or pipe with the bytes of RTT channel 0; - is standard input.
     #[arg(value_name = "RTT")]
     log: Option<PathBuf>,
@@ -59,10 +59,12 @@ fn csv_name(text: &str) -> Result<PathBuf, String> {
 impl Args {
     #[cfg(feature = "probe")]
     fn origin(&self, elf: &[u8]) -> Result<Origin, Error> {
-        let Some(chip) = self.from.probe.clone() else { return Ok(self.stream()) };
+        if !self.from.probe {
+            return Ok(self.stream());
+        }
         let address = Image::rtt_address(elf);
         let rtt_address = address.map_err(|error| Error::input(&self.elf, None, "", error.to_string()))?;
-        Ok(Origin::Probe { chip, rtt_address })
+        Ok(Origin::Probe { rtt_address })
     }
 
     #[cfg(not(feature = "probe"))]

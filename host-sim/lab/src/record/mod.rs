@@ -3,6 +3,8 @@
 #[cfg(feature = "probe")]
 mod probe;
 mod recorder;
+#[cfg(any(feature = "probe", test))]
+mod ring;
 mod source;
 
 pub use recorder::{Recorder, Summary};

@@ -29,8 +29,6 @@ pub enum Origin {
     /// A debug probe.
     #[cfg(feature = "probe")]
     Probe {
-        /// Chip as probe-rs names it.
-        chip: String,
         /// Address of the RTT control block, from the ELF file.
         rtt_address: u64,
     },
@@ -43,7 +41,7 @@ impl fmt::Display for Origin {
             Self::File(file) => write!(f, "{}", file.display()),
             Self::Tcp(address) => f.write_str(address),
             #[cfg(feature = "probe")]
-            Self::Probe { chip, .. } => write!(f, "probe on {chip}"),
+            Self::Probe { .. } => f.write_str("debug probe"),
         }
     }
 }
@@ -70,8 +68,8 @@ impl Origin {
             Self::File(file) => self.spawn(File::open(file).map_err(|error| self.error(error))?, sender),
             Self::Tcp(address) => self.spawn(line::tcp(address)?, sender),
             #[cfg(feature = "probe")]
-            Self::Probe { chip, rtt_address } => {
-                let mut probe = super::probe::Probe::attach(chip, *rtt_address).map_err(|error| self.error(error))?;
+            Self::Probe { rtt_address } => {
+                let mut probe = super::probe::Probe::attach(*rtt_address).map_err(|error| self.error(error))?;
                 let origin = self.clone();
                 thread::spawn(move || pass_on(|buffer| probe.read(buffer), &origin, &sender));
             }

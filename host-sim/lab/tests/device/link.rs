@@ -116,6 +116,17 @@ fn nobody_there_exits_with_4() {
 }
 
 #[test]
+fn another_machine_is_refused_before_a_byte_is_sent_to_it() {
+    // Addresses for documentation (RFC 5737, RFC 3849), at which nobody answers: a connection would take 5 s to fail.
+    for address in ["192.0.2.1:4000", "[2001:db8::1]:4000"] {
+        let start = Instant::now();
+        let said = fails(Path::new(HERE), &format!("link --tcp {address} status"), 2);
+        assert!(said.contains("tunnel it (ssh -L 4000:127.0.0.1:4000 HOST) and connect to 127.0.0.1:4000"), "{said}");
+        assert!(start.elapsed() < Duration::from_secs(4), "nothing was connected: {:?}", start.elapsed());
+    }
+}
+
+#[test]
 fn lost_answers_are_asked_for_again_and_nothing_is_done_twice() {
     let far = Far::start(None);
     let mut connection = Line::Tcp(far.link.to_string()).connect().unwrap();
