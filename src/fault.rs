@@ -68,6 +68,21 @@ bitflags! {
     }
 }
 
+impl Limits {
+    /// A few words for each set bit.
+    pub fn explain(self) -> impl Iterator<Item = &'static str> {
+        self.iter().map(|limit| match limit {
+            Self::TORQUE_ABOVE => "torque at its upper limit",
+            Self::TORQUE_BELOW => "torque at its lower limit",
+            Self::FIELD_ABOVE => "field at its limit",
+            Self::ERROR_RANGE => "error out of range",
+            Self::OVER_OFF_SPEED => "field off over off_speed_rad_s",
+            Self::ENABLE_REFUSED => "enable refused",
+            _ => "clear refused",
+        })
+    }
+}
+
 impl Faults {
     /// Faults after which the count of pole pairs can no longer be trusted.
     pub(crate) const LOSES_POSITION: Self =

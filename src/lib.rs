@@ -42,6 +42,7 @@ pub mod parameters;
 mod snapshot;
 mod step;
 pub mod storage;
+pub mod telemetry;
 mod units;
 
 pub use config::{Config, ConfigError, IMAGE_PERIOD_S, Params};

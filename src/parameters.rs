@@ -92,6 +92,10 @@ pub static TABLE: &[Parameter] = &[
     flag!(stop_on_link_loss),
     number!(stop_torque_nm, "N m", 0.0, crate::TORQUE_CEILING_NM),
     number!(stop_time_s, "s", 0.01, 5.0),
+    // Up to 1.5 rad/s, where the field goes off, no exponent within these leaves single precision.
+    number!(er_q0, "ln(N m s/rad)", -20.0, 12.0),
+    number!(er_q1_s_rad, "s/rad", -20.0, 8.0),
+    number!(er_q2_s2_rad2, "s2/rad2", -8.0, 8.0),
 ];
 
 /// The parameter of that name.

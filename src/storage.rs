@@ -71,6 +71,27 @@ pub async fn save<F: NorFlash>(
     if read(&mut flash, at).await? == record { Ok(()) } else { Err(StorageError::Flash) }
 }
 
+/// Reads the newest set that this image can read, where [`load`] finds the newest [`StorageError::Unusable`]: after a downgrade,
+/// the set that was stored before the newer image saved its own, unless that was erased to make room since.
+///
+/// # Errors
+///
+/// As [`load`].
+pub async fn load_older<F: NorFlash>(mut flash: F, range: core::ops::Range<u32>) -> Result<Config, StorageError> {
+    let mut best: Option<(u32, Config)> = None;
+    for at in range.step_by(RECORD_BYTES) {
+        let record = read(&mut flash, at).await?;
+        let number = word(&record, 0);
+        if !is_whole(&record) || best.is_some_and(|(newest, _)| number <= newest) {
+            continue;
+        }
+        if let Ok(config) = decode(&record) {
+            best = Some((number, config));
+        }
+    }
+    best.map(|(_, config)| config).ok_or(StorageError::Unusable)
+}
+
 /// Reads the newest whole set and checks every value.
 ///
 /// # Errors
@@ -290,6 +311,30 @@ mod tests {
         older[10..12].copy_from_slice(&0_u16.to_le_bytes());
         assert_eq!(decode(&older), Ok(Config::default()));
         assert!(!is_whole(&[ERASED; RECORD_BYTES]) && !is_whole(&[0; RECORD_BYTES]));
+    }
+
+    #[test]
+    fn a_downgrade_rolls_back_to_the_newest_set_that_it_can_read() {
+        let mut bytes = vec![0xFF; 2 * PAGE];
+        for kp_nm_rad in [240.0, 250.0] {
+            block_on(save(flash(&mut bytes, u32::MAX), RANGE, &set(kp_nm_rad))).unwrap();
+        }
+        // A newer image knows more parameters, and another layout.
+        let mut newer = encode(2, &set(260.0));
+        newer[10..12].copy_from_slice(&(TABLE.len() as u16 + 1).to_le_bytes());
+        let mut other = encode(3, &set(270.0));
+        other[8] += 1;
+        for (nth, mut record) in [newer, other].into_iter().enumerate() {
+            let check = check(&record);
+            record[4..8].copy_from_slice(&check.to_le_bytes());
+            bytes[(2 + nth) * RECORD_BYTES..][..RECORD_BYTES].copy_from_slice(&record);
+        }
+        assert_eq!(block_on(load(flash(&mut bytes, u32::MAX), RANGE)), Err(StorageError::Unusable));
+        assert_eq!(block_on(load_older(flash(&mut bytes, u32::MAX), RANGE)), Ok(set(250.0)));
+        // What the older image saves then is the newest for both.
+        block_on(save(flash(&mut bytes, u32::MAX), RANGE, &set(280.0))).unwrap();
+        assert_eq!(block_on(load(flash(&mut bytes, u32::MAX), RANGE)), Ok(set(280.0)));
+        assert_eq!(block_on(load_older(flash(&mut vec![0; 2 * PAGE], u32::MAX), RANGE)), Err(StorageError::Unusable));
     }
 
     #[test]

@@ -8,6 +8,8 @@ pub use params::Params;
 
 /// Widest soft limits of the position, rad: well within what the counter holds, 4,369 revolutions.
 pub(crate) const POSITION_RANGE_RAD: f32 = 25_000.0;
+/// Exponent of equation (5) as printed: constant, coefficients of the speed and of its square.
+pub(crate) const EQUATION_5: [f32; 3] = [4.010, -9.277, 3.675];
 /// Control period of the image, s: its timer is fixed (board.md).
 pub const IMAGE_PERIOD_S: f32 = 0.0005;
 
@@ -30,6 +32,12 @@ pub struct Config {
     pub er_b: f32,
     /// c of equation (2): drag at zero field; the law needs it only to check `near_rad`.
     pub er_c_nm: f32,
+    /// Constant of the exponent of equation (5), for a viscosity in N m s/rad.
+    pub er_q0: f32,
+    /// Coefficient of the speed in that exponent.
+    pub er_q1_s_rad: f32,
+    /// Coefficient of its square.
+    pub er_q2_s2_rad2: f32,
     /// Field command held at or below this.
     pub field_limit_kv_mm: f32,
     /// Field of the brake.
@@ -102,6 +110,9 @@ impl Default for Config {
             er_a: 0.0704,
             er_b: 0.470,
             er_c_nm: 0.763,
+            er_q0: EQUATION_5[0],
+            er_q1_s_rad: EQUATION_5[1],
+            er_q2_s2_rad2: EQUATION_5[2],
             field_limit_kv_mm: 3.5,
             brake_field_kv_mm: 3.0,
             near_rad: 0.02,

@@ -52,6 +52,7 @@ pub struct Params {
     pub(crate) er_enabled: bool,
     pub(crate) inverse_a: f32,
     pub(crate) half_b_over_a: f32,
+    pub(crate) exponent: [f32; 3],
     pub(crate) field_limit_kv_mm: f32,
     pub(crate) brake_field_kv_mm: f32,
     pub(crate) near_counts: i32,
@@ -134,6 +135,7 @@ impl Params {
             er_enabled: config.er_enabled,
             inverse_a: 1.0 / config.er_a,
             half_b_over_a: config.er_b / (2.0 * config.er_a),
+            exponent: [config.er_q0, config.er_q1_s_rad, config.er_q2_s2_rad2],
             field_limit_kv_mm: config.field_limit_kv_mm,
             brake_field_kv_mm: config.brake_field_kv_mm,
             near_counts: (config.near_rad / RAD_PER_COUNT + 0.5) as i32,
@@ -186,12 +188,16 @@ impl Params {
         let flags = flag(self.er_enabled, 0) | flag(self.hold, 1) | flag(self.speed_from_converter, 2);
         let flags = flags | flag(self.stop.on_disable, 3) | flag(self.stop.on_link_loss, 4);
         let (stop, guard, motion) = (&self.stop, &self.guard, &self.motion);
+        let [q0, q1, q2] = self.exponent;
         sum_of!(
             self.kp_nm_count.to_bits(),
             self.kd_nm_s_rad.to_bits(),
             self.torque_limit_nm.to_bits(),
             self.inverse_a.to_bits(),
             self.half_b_over_a.to_bits(),
+            q0.to_bits(),
+            q1.to_bits(),
+            q2.to_bits(),
             self.field_limit_kv_mm.to_bits(),
             self.brake_field_kv_mm.to_bits(),
             self.near_counts as u32,

@@ -129,7 +129,8 @@ impl Board {
         let (config, source) = stored(&mut storage);
         watchdog.feed();
         watchdog.start(WATCHDOG_MS.millis());
-        let damaged = if source == ParameterSource::Damaged { Faults::PARAMETERS } else { Faults::empty() };
+        let unread = matches!(source, ParameterSource::Damaged | ParameterSource::RolledBack);
+        let damaged = if unread { Faults::PARAMETERS } else { Faults::empty() };
 
         let (a, b, c) = (device.GPIOA.split(&mut rcc), device.GPIOB.split(&mut rcc), device.GPIOC.split(&mut rcc));
         // First of all the pins that keep the outputs safe.
@@ -186,13 +187,16 @@ impl Board {
     }
 }
 
-/// The stored parameters; where none were ever stored, those the image was built with. A set that cannot be used is a fault,
-/// not a reason to run with others.
+/// The stored parameters; where none were ever stored, those the image was built with. A newest set that cannot be used is a
+/// fault: with the set before it, after a downgrade, the drive runs once that is cleared.
 fn stored(storage: &mut Storage) -> (Config, ParameterSource) {
     match storage.load() {
         Ok(config) => (config, ParameterSource::Flash),
         Err(StorageError::Empty) => (Config::default(), ParameterSource::BuiltIn),
-        Err(StorageError::Flash | StorageError::Unusable) => (Config::default(), ParameterSource::Damaged),
+        Err(StorageError::Flash | StorageError::Unusable) => match storage.load_older() {
+            Ok(config) => (config, ParameterSource::RolledBack),
+            Err(_) => (Config::default(), ParameterSource::Damaged),
+        },
     }
 }
 

@@ -4,9 +4,10 @@
 use embedded_hal_nb::serial::Write;
 use er_servo::events::Event;
 use er_servo::experiment::Sequence;
-use er_servo::link::{Drive, Offset, PACKET_BYTES, Pace, Refusal, Reply, Server};
+use er_servo::link::{Drive, Offset, PACKET_BYTES, Pace, Refusal, Reply, Server, TELEMETRY_BYTES};
 use er_servo::motion::MotionLimits;
 use er_servo::storage::StorageError;
+use er_servo::telemetry::{self, Begin, Packer};
 use er_servo::{Config, Counts, Faults, Frame, Params, Request, State, Supervisor};
 use heapless::Deque;
 use heapless::spsc::Producer;
@@ -20,8 +21,8 @@ use super::log::{self, Log};
 use super::storage::Storage;
 use super::tick;
 
-/// Bytes of answers that wait for the line; more are dropped, the host asks again.
-const OUT_BYTES: usize = 4 * PACKET_BYTES;
+/// Bytes that wait for the line: answers, and frames for 20 ms. More are dropped; the host asks again, and finds a gap.
+const OUT_BYTES: usize = 8 * TELEMETRY_BYTES;
 /// Bytes handled at a time, before frames and watchdog have their turn again: more than the line brings in two ticks.
 const POLL_BYTES: usize = 128;
 
@@ -29,7 +30,8 @@ const POLL_BYTES: usize = 128;
 pub struct Link {
     ring: Ring,
     tx: Tx<USART2>,
-    out: Deque<u8, OUT_BYTES>,
+    out: Out,
+    telemetry: Telemetry,
     server: Server,
     storage: Storage,
     last: Option<Frame>,
@@ -48,7 +50,8 @@ impl Link {
         offsets: Producer<'static, Offset, QUEUE_OFFSETS>,
     ) -> Self {
         let ahead = Ahead { sequence: None, offsets };
-        Self { ring, tx, out: Deque::new(), server, storage, last: None, ahead, ticks_first: false }
+        let (out, telemetry) = (Out::new(), Telemetry::default());
+        Self { ring, tx, out, telemetry, server, storage, last: None, ahead, ticks_first: false }
     }
 
     /// Takes note of a tick, for the status, and of a fault, for the event log.
@@ -57,6 +60,7 @@ impl Link {
         if let (Supervisor::Fault { faults }, false) = (frame.outputs.supervisor, was_fault) {
             self.storage.log_event(&event(frame, faults));
         }
+        self.telemetry.frame(frame, &mut self.out);
         self.last = Some(*frame);
         self.ticks_first = false;
     }
@@ -67,7 +71,8 @@ impl Link {
             // Two packets in a row that each pause the ticks for 45 ms would outlast the watchdog.
             let Some(byte) = (if self.ticks_first { None } else { self.ring.next() }) else { break };
             let (storage, last, ahead) = (&mut self.storage, self.last.as_ref(), &mut self.ahead);
-            let mut image = Image { log, watchdog, storage, last, ahead, paused: false };
+            let (telemetry, out) = (&mut self.telemetry, &mut self.out);
+            let mut image = Image { log, watchdog, storage, last, ahead, telemetry, out, paused: false };
             let reply = self.server.push(byte, &mut image);
             self.ticks_first = image.paused;
             if let Some(reply) = reply {
@@ -103,13 +108,65 @@ fn event(frame: &Frame, faults: Faults) -> Event {
     }
 }
 
+/// What waits for the line.
+type Out = Deque<u8, OUT_BYTES>;
+
 /// Puts an answer behind those that wait, whole or not at all.
-fn answer(out: &mut Deque<u8, OUT_BYTES>, reply: &Reply) {
+fn answer(out: &mut Out, reply: &Reply) {
     let mut packet = [0; PACKET_BYTES];
-    let Ok(bytes) = er_servo::link::encode(reply, &mut packet) else { return };
-    if OUT_BYTES - out.len() >= bytes.len() {
-        for byte in bytes {
+    if let Ok(bytes) = er_servo::link::encode(reply, &mut packet) {
+        put(out, bytes, 0);
+    }
+}
+
+/// Puts a packet behind those that wait if so many bytes stay free then.
+fn put(out: &mut Out, packet: &[u8], leave_bytes: usize) {
+    if OUT_BYTES - out.len() >= packet.len() + leave_bytes {
+        for byte in packet {
             let _ = out.push_back(*byte);
+        }
+    }
+}
+
+/// A recording over the link.
+#[derive(Default)]
+struct Telemetry {
+    packer: Packer,
+    /// First tick of the recording that runs.
+    recording: Option<u32>,
+}
+
+impl Telemetry {
+    fn begin(&mut self, begin: &Begin, out: &mut Out) {
+        self.packer = Packer::default();
+        self.recording = Some(begin.tick);
+        if OUT_BYTES - out.len() < TELEMETRY_BYTES {
+            // A flood of commands filled it; a recording without its begin is none.
+            out.clear();
+        }
+        put(out, begin.encode(&mut [0; TELEMETRY_BYTES]), 0);
+    }
+
+    fn frame(&mut self, frame: &Frame, out: &mut Out) {
+        // Frames that were queued before the snapshot was taken are not part of the recording.
+        let is_of_it = self.recording.is_some_and(|first| frame.seq.wrapping_sub(first) < u32::MAX / 2);
+        if is_of_it && !self.packer.push(frame) {
+            self.flush(out);
+            self.packer.push(frame);
+        }
+    }
+
+    fn flush(&mut self, out: &mut Out) {
+        if let Some(packet) = self.packer.finish(&mut [0; TELEMETRY_BYTES]) {
+            // An answer must find room beside frames that the line does not keep up with.
+            put(out, packet, PACKET_BYTES);
+        }
+    }
+
+    fn end(&mut self, out: &mut Out) {
+        if self.recording.take().is_some() {
+            self.flush(out);
+            put(out, telemetry::end(&mut [0; TELEMETRY_BYTES]), 0);
         }
     }
 }
@@ -141,6 +198,8 @@ struct Image<'a> {
     storage: &'a mut Storage,
     last: Option<&'a Frame>,
     ahead: &'a mut Ahead,
+    telemetry: &'a mut Telemetry,
+    out: &'a mut Out,
     /// Ticks were paused.
     paused: bool,
 }
@@ -247,16 +306,20 @@ impl Drive for Image<'_> {
     }
 
     fn recording(&self) -> bool {
-        self.log.recording()
+        self.log.recording() || self.telemetry.recording.is_some()
     }
 
-    fn start_recording(&mut self, run: u32, config: &Config) {
-        if let Some((state, seq)) = tick::with(|tick| tick.now()) {
-            self.log.start_recording(run, seq, &state, config);
+    fn start_recording(&mut self, run: u32, over_link: bool, config: &Config) {
+        let Some((state, tick)) = tick::with(|tick| tick.now()) else { return };
+        if over_link {
+            self.telemetry.begin(&Begin { run, build: log::build(), tick, state, config: *config }, self.out);
+        } else {
+            self.log.start_recording(run, tick, &state, config);
         }
     }
 
     fn stop_recording(&mut self) {
         self.log.stop_recording();
+        self.telemetry.end(self.out);
     }
 }

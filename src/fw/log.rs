@@ -2,16 +2,25 @@
 
 use er_servo::app::InitError;
 use er_servo::drivers::{ad2s1210, dac};
-use er_servo::{Config, FRAME_SCHEMA, Faults, Frame, State, Supervisor, parameters};
+use er_servo::{Config, FRAME_SCHEMA, Faults, Frame, Limits, Mode, State, Supervisor, parameters};
 
+use super::clock;
 use super::safe::Why;
 use super::tick::HardwareError;
+
+// Of every message, since the start.
+defmt::timestamp!("{=u32:us}", clock::microseconds());
+
+/// Changes of mode and limits are told at most once in so many ticks, 50 ms: around a reversal they come in every tick.
+const SPOKEN_TICKS: u32 = 100;
 
 /// Watches the frames for events, and records them.
 pub struct Log {
     supervisor: Supervisor,
     resolver_faults: u8,
     lost: u16,
+    /// Mode and limits as they were told last, and in which tick.
+    told: (Mode, Limits, u32),
     /// First tick of the recording that runs.
     recording: Option<u32>,
 }
@@ -33,7 +42,8 @@ pub fn build() -> [u8; 8] {
 impl Log {
     /// Before the first frame.
     pub fn new() -> Self {
-        Self { supervisor: Supervisor::default(), resolver_faults: 0, lost: 0, recording: None }
+        let told = (Mode::Off, Limits::empty(), 0);
+        Self { supervisor: Supervisor::default(), resolver_faults: 0, lost: 0, told, recording: None }
     }
 
     /// The drive has come up.
@@ -103,6 +113,23 @@ impl Log {
             defmt::warn!("tick {=u32}: {=u16} frames lost so far", seq, frame.lost);
         }
         (self.supervisor, self.resolver_faults, self.lost) = (now, resolver_faults, frame.lost);
+        self.bounds(frame);
+    }
+
+    /// Mode and limits, as they are when they may be told.
+    fn bounds(&mut self, frame: &Frame) {
+        let (mode, limits, at) = self.told;
+        let (now, bounds, seq) = (frame.outputs.mode, frame.outputs.limits, frame.seq);
+        if (now, bounds) == (mode, limits) || seq.wrapping_sub(at) < SPOKEN_TICKS {
+            return;
+        }
+        if now != mode {
+            defmt::info!("tick {=u32}: {=str}, {=f32} kV/mm", seq, now.name(), frame.outputs.field_kv_mm);
+        }
+        for sentence in bounds.difference(limits).explain() {
+            defmt::info!("tick {=u32}: {=str}", seq, sentence);
+        }
+        self.told = (now, bounds, seq);
     }
 }
 

@@ -56,6 +56,11 @@ impl Storage {
         block_on(storage::load(Sectors { flash: &mut self.flash, range: RANGE }, RANGE))
     }
 
+    /// The newest set that this image can read, where the newest is of another release.
+    pub fn load_older(&mut self) -> Result<Config, StorageError> {
+        block_on(storage::load_older(Sectors { flash: &mut self.flash, range: RANGE }, RANGE))
+    }
+
     /// Stores the set, with ticks paused and the watchdog patient.
     pub fn save(&mut self, config: &Config, watchdog: &mut IndependentWatchdog) -> Result<(), StorageError> {
         tick::paused(|| {

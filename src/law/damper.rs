@@ -1,19 +1,31 @@
 //! The ER damper made linear: which field gives the wanted viscosity.
 
 use crate::Params;
+use crate::config::EQUATION_5;
 use crate::maths;
 
-/// Wanted coefficient of viscosity at a speed, N m s/rad, equation (5); a fit for 0 to 1.5 rad/s.
+/// Wanted coefficient of viscosity at a speed, N m s/rad, equation (5) as printed; a fit for 0 to 1.5 rad/s.
 pub fn viscosity_nm_s_rad(speed_rad_s: f32) -> f32 {
+    viscosity(EQUATION_5, speed_rad_s)
+}
+
+fn viscosity([q0, q1, q2]: [f32; 3], speed_rad_s: f32) -> f32 {
     let w = speed_rad_s.abs();
-    maths::exp((3.675 * w - 9.277) * w + 4.010)
+    maths::exp((q2 * w + q1) * w + q0)
+}
+
+impl Params {
+    /// Wanted coefficient of viscosity at a speed with the parameters' own coefficients of (5), N m s/rad.
+    pub fn viscosity_nm_s_rad(&self, speed_rad_s: f32) -> f32 {
+        viscosity(self.exponent, speed_rad_s)
+    }
 }
 
 /// Field whose torque over the zero-field drag is Q |w|, kV/mm, equation (4), before any limit.
 ///
 /// Written as x/(h + sqrt(h^2 + x)) with x = Q |w|/a and h = b/2a, which equals (4) and loses no digits near rest.
 pub fn field_for_damping_kv_mm(params: &Params, speed_rad_s: f32) -> f32 {
-    let torque_nm = viscosity_nm_s_rad(speed_rad_s) * speed_rad_s.abs();
+    let torque_nm = params.viscosity_nm_s_rad(speed_rad_s) * speed_rad_s.abs();
     let x = torque_nm * params.inverse_a;
     let h = params.half_b_over_a;
     let denominator = h + maths::sqrt(h * h + x);
@@ -48,6 +60,19 @@ mod tests {
         assert!(worst < 1e-4, "worst {worst:e} kV/mm");
         // Control.md section 2.
         assert!((peak.0 - 3.2725).abs() < 1e-4 && (peak.1 - 0.11902).abs() < 5e-4, "{peak:?}");
+    }
+
+    #[test]
+    fn any_coefficients_within_their_ranges_give_a_field_that_is_a_number() {
+        for (q0, q1, q2) in [(12.0, 8.0, 8.0), (-20.0, -20.0, -8.0), (12.0, -20.0, 8.0), (4.6, 0.0, 0.0)] {
+            let config =
+                Config { er_q0: q0, er_q1_s_rad: q1, er_q2_s2_rad2: q2, er_a: 1e-3, er_b: 0.0, ..Config::default() };
+            let params = Params::new(&config).unwrap();
+            for i in 0..=150 {
+                let field = field_for_damping_kv_mm(&params, i as f32 * 0.01);
+                assert!(field.is_finite() && field >= 0.0, "{config:?}: {field}");
+            }
+        }
     }
 
     #[test]

@@ -61,8 +61,8 @@ pub trait Drive {
     fn event(&mut self, back: u8) -> Option<Event>;
     /// Whether a recording runs.
     fn recording(&self) -> bool;
-    /// Starts a recording of the law with its parameters.
-    fn start_recording(&mut self, run: u32, config: &Config);
+    /// Starts a recording of the law with its parameters, over the link or in the log.
+    fn start_recording(&mut self, run: u32, over_link: bool, config: &Config);
     /// Ends the recording, if there is one.
     fn stop_recording(&mut self);
 }

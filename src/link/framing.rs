@@ -1,8 +1,9 @@
-//! Messages to bytes and back: postcard, a CRC-32 behind it, stuffed by COBS, ended by a zero.
+//! Messages to bytes and back: postcard, a CRC-32 behind it, stuffed by COBS, ended by a zero. A packet of telemetry is told from
+//! a message by its check, whose bits are inverted.
 
 use serde::{Deserialize, Serialize};
 
-use super::PACKET_BYTES;
+use super::{PACKET_BYTES, TELEMETRY_BYTES, TELEMETRY_PLAIN_BYTES};
 
 const CRC: crc::Crc<u32, crc::NoTable> = crc::Crc::<u32, crc::NoTable>::new(&crc::CRC_32_ISO_HDLC);
 const CRC_BYTES: usize = 4;
@@ -31,6 +32,30 @@ pub fn encode<'a>(message: &impl Serialize, packet: &'a mut [u8; PACKET_BYTES]) 
     packet.get(..=stuffed).ok_or(TooLong)
 }
 
+/// A packet of telemetry as it is sent; what is longer than [`TELEMETRY_PLAIN_BYTES`] is none.
+pub fn encode_telemetry<'a>(plain: &[u8], packet: &'a mut [u8; TELEMETRY_BYTES]) -> &'a [u8] {
+    let mut checked = [0; TELEMETRY_PLAIN_BYTES + CRC_BYTES];
+    let end = plain.len() + CRC_BYTES;
+    let Some(whole) = checked.get_mut(..end) else { return &[] };
+    let (place, check) = whole.split_at_mut(plain.len());
+    place.copy_from_slice(plain);
+    check.copy_from_slice(&(!CRC.checksum(plain)).to_le_bytes());
+    let Ok(stuffed) = cobs::try_encode(whole, packet) else { return &[] };
+    if let Some(last) = packet.get_mut(stuffed) {
+        *last = 0;
+    }
+    packet.get(..=stuffed).unwrap_or_default()
+}
+
+/// What a packet is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Received<'a, T> {
+    /// A message.
+    Message(T),
+    /// Telemetry, for [`crate::telemetry::decode`].
+    Telemetry(&'a [u8]),
+}
+
 /// Why bytes between two zeros are no message.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Malformed {
@@ -43,25 +68,33 @@ pub enum Malformed {
 /// Finds packets in a stream of bytes.
 #[derive(Debug)]
 pub struct Receiver {
-    bytes: [u8; PACKET_BYTES],
+    bytes: [u8; TELEMETRY_BYTES],
     length: usize,
 }
 
 impl Default for Receiver {
     fn default() -> Self {
-        Self { bytes: [0; PACKET_BYTES], length: 0 }
+        Self { bytes: [0; TELEMETRY_BYTES], length: 0 }
     }
 }
 
 impl Receiver {
-    /// Takes a byte; gives what ended with it, if anything did. Two zeros in a row are nothing.
+    /// Takes a byte; gives the message that ended with it, if anything did. Two zeros in a row are nothing.
     pub fn push<T: for<'de> Deserialize<'de>>(&mut self, byte: u8) -> Option<Result<T, Malformed>> {
+        Some(self.push_any(byte)?.and_then(|received| match received {
+            Received::Message(message) => Ok(message),
+            Received::Telemetry(_) => Err(Malformed::Damaged),
+        }))
+    }
+
+    /// Takes a byte; gives what ended with it, message or telemetry.
+    pub fn push_any<T: for<'de> Deserialize<'de>>(&mut self, byte: u8) -> Option<Result<Received<'_, T>, Malformed>> {
         if byte != 0 {
             if let Some(place) = self.bytes.get_mut(self.length) {
                 *place = byte;
             }
             // One beyond the end says that there was too much.
-            self.length = (self.length + 1).min(PACKET_BYTES + 1);
+            self.length = (self.length + 1).min(TELEMETRY_BYTES + 1);
             return None;
         }
         match core::mem::take(&mut self.length) {
@@ -71,15 +104,19 @@ impl Receiver {
     }
 }
 
-fn decode<T: for<'de> Deserialize<'de>>(stuffed: &mut [u8]) -> Result<T, Malformed> {
+fn decode<T: for<'de> Deserialize<'de>>(stuffed: &mut [u8]) -> Result<Received<'_, T>, Malformed> {
     let length = cobs::decode_in_place(stuffed).map_err(|_| Malformed::Damaged)?;
     let plain = stuffed.get(..length).ok_or(Malformed::Damaged)?;
     let (message, check) = plain.split_last_chunk::<CRC_BYTES>().ok_or(Malformed::Damaged)?;
-    if CRC.checksum(message) != u32::from_le_bytes(*check) {
+    let (found, check) = (CRC.checksum(message), u32::from_le_bytes(*check));
+    if found == !check {
+        return Ok(Received::Telemetry(message));
+    }
+    if found != check {
         return Err(Malformed::Damaged);
     }
     match postcard::take_from_bytes(message) {
-        Ok((message, [])) => Ok(message),
+        Ok((message, [])) => Ok(Received::Message(message)),
         _ => Err(Malformed::Damaged),
     }
 }

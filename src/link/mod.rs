@@ -21,7 +21,7 @@ mod server;
 
 pub use commander::{Commander, Offset};
 pub use drive::Drive;
-pub use framing::{Malformed, Receiver, TooLong, encode};
+pub use framing::{Malformed, Received, Receiver, TooLong, encode, encode_telemetry};
 pub use server::Server;
 
 use serde::{Deserialize, Serialize};
@@ -33,9 +33,13 @@ pub use crate::motion::Pace;
 /// Baud rate, 8N1.
 pub const BAUD: u32 = 921_600;
 /// Version of the messages; another one is refused.
-pub const PROTOCOL: u16 = 3;
+pub const PROTOCOL: u16 = 4;
 /// Longest packet as it is sent, the zero included.
 pub const PACKET_BYTES: usize = 128;
+/// Longest packet of telemetry as it is sent.
+pub const TELEMETRY_BYTES: usize = 256;
+/// What it carries at most: without the check, the byte that stuffing adds to less than 254, and the zero.
+pub const TELEMETRY_PLAIN_BYTES: usize = 248;
 /// The drive stops when the client that commands it was not heard of for this long, s, unless it was asked to go on alone.
 pub const SILENCE_S: f32 = 0.25;
 
@@ -111,6 +115,8 @@ pub enum Command {
     StartRecording {
         /// Told in the recording.
         run: u32,
+        /// Over this link, as [`crate::telemetry`], in place of the log.
+        over_link: bool,
     },
     /// Ends the recording.
     StopRecording,
@@ -251,6 +257,8 @@ pub enum ParameterSource {
     Forced,
     /// The image, because what the flash holds is damaged or of another release.
     Damaged,
+    /// An older set in flash, because the newest is of another release.
+    RolledBack,
 }
 
 impl core::fmt::Display for ParameterSource {
@@ -261,6 +269,7 @@ impl core::fmt::Display for ParameterSource {
             Self::Link => "link, not saved",
             Self::Forced => "link, forced against the stability margins, not saved",
             Self::Damaged => "built in, because the flash holds a damaged or foreign set",
+            Self::RolledBack => "an older set in flash, because the newest is of another release",
         })
     }
 }

@@ -188,7 +188,7 @@ impl Server {
                 self.source = ParameterSource::Flash;
             }
             Command::StartRecording { .. } if drive.recording() => return Err(Refusal::Recording),
-            Command::StartRecording { run } => drive.start_recording(run, &self.config),
+            Command::StartRecording { run, over_link } => drive.start_recording(run, over_link, &self.config),
             Command::StopRecording => drive.stop_recording(),
             Command::Status => return self.status(drive).ok_or(Refusal::Booting),
             Command::Event { back } => return Ok(Answer::Event(drive.event(back))),

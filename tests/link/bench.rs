@@ -160,7 +160,7 @@ impl Drive for Bench {
         self.recording.is_some()
     }
 
-    fn start_recording(&mut self, run: u32, config: &Config) {
+    fn start_recording(&mut self, run: u32, _: bool, config: &Config) {
         self.recording = Some((run, *config));
     }
 

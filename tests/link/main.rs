@@ -163,7 +163,7 @@ proptest! {
 #[test]
 fn a_packet_sent_again_is_answered_again_and_not_carried_out_again() {
     let mut linked = Linked::to(Bench::ready());
-    let packet = bytes(&linked.packet(Command::StartRecording { run: 5 }));
+    let packet = bytes(&linked.packet(Command::StartRecording { run: 5, over_link: false }));
     let first = linked.feed(&packet);
     linked.drive.asked.clear();
     assert_eq!(linked.feed(&packet), first);
@@ -267,9 +267,9 @@ fn parameters_act_when_applied_and_a_new_session_forgets_what_was_staged() {
 #[test]
 fn a_recording_knows_its_run_and_forbids_other_parameters() {
     let mut linked = Linked::to(Bench::ready());
-    linked.done(Command::StartRecording { run: 7 });
+    linked.done(Command::StartRecording { run: 7, over_link: false });
     assert_eq!(linked.drive.recording, Some((7, Config::default())));
-    linked.refused(Command::StartRecording { run: 8 }, Refusal::Recording);
+    linked.refused(Command::StartRecording { run: 8, over_link: false }, Refusal::Recording);
     linked.refused(APPLY, Refusal::Recording);
     assert!(linked.status().recording);
     linked.done(Command::StopRecording);

@@ -60,7 +60,7 @@ pub fn any_command() -> impl Strategy<Value = Command> {
         Just(Defaults),
         Just(Load),
         Just(Save),
-        any::<u32>().prop_map(|run| StartRecording { run }),
+        any::<(u32, bool)>().prop_map(|(run, over_link)| StartRecording { run, over_link }),
         Just(StopRecording),
         Just(Status),
         any::<u8>().prop_map(|back| Event { back }),

@@ -32,6 +32,20 @@ impl Host {
         self.waiting.insert(place, (at, command));
     }
 
+    /// Keeps what is recorded over the link, in [`Self::recorded`].
+    pub fn keep_recorded(&mut self) {
+        self.client.keep_recorded();
+    }
+
+    /// What of recordings has come over the link.
+    ///
+    /// # Errors
+    ///
+    /// A recording of another release.
+    pub fn recorded(&mut self) -> Result<Vec<wire::log::Entry>, wire::log::Error> {
+        self.client.recorded()
+    }
+
     /// Says hello, as another client would; what is sent from then on is of the session that is answered.
     pub fn say_hello(&mut self, terminal: &mut Terminal, now: VirtualNanos) {
         terminal.send(now, &self.client.send(Command::Hello).1);

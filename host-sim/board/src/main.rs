@@ -59,7 +59,7 @@ fn run(arguments: &Arguments) -> Result<(), Error> {
     let experiment =
         Experiment { shape: Shape::Step { amplitude_rad: arguments.step_rad }, duration_s: arguments.seconds };
     let commands = [
-        Command::StartRecording { run: 1 },
+        Command::StartRecording { run: 1, over_link: false },
         Command::Enable { autonomous: true },
         Command::Run { experiment, torque_bound_nm: 0, autonomous: true },
         Command::Status,

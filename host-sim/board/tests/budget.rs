@@ -191,7 +191,7 @@ fn the_tick_keeps_its_budget_in_every_mode() {
         Shape::Chirp { amplitude_rad: 0.2, from_hz: 0.5, to_hz: 8.0 },
         Shape::Ramp { speed_rad_s: 1.0, travel_rad: 0.5 },
     ];
-    world.link.at(ms(90.0), Command::StartRecording { run: 1 });
+    world.link.at(ms(90.0), Command::StartRecording { run: 1, over_link: false });
     world.link.at(ms(100.0), ENABLE);
     for (nth, shape) in shapes.into_iter().enumerate() {
         world.link.at(ms(120.0 + 2000.0 * nth as f64), run_alone(shape, 1.95));

@@ -15,7 +15,7 @@ use er_servo::experiment::{Experiment, Shape};
 use er_servo::link::{Answer, Command, Refusal};
 use er_servo::parameters::TABLE;
 use er_servo::{Config, Counts, Faults, Frame, Mode, Params, State, Supervisor, step};
-use wire::log::recordings;
+use wire::log::{Entry, Image, recordings};
 
 /// 120 pole pairs of 12 bit.
 const COUNTS_PER_REV: f64 = 491_520.0;
@@ -55,7 +55,7 @@ fn a_step_response_of_two_seconds_is_that_of_the_host_to_the_bit() {
     let firmware = firmware();
     let mut world = world(&firmware, 2400.0);
     let step_up = run_alone(Shape::Step { amplitude_rad: std::f32::consts::FRAC_PI_6 }, 2.0);
-    world.link.at(ms(100.0), Command::StartRecording { run: 42 });
+    world.link.at(ms(100.0), Command::StartRecording { run: 42, over_link: false });
     world.link.at(ms(150.0), ENABLE);
     world.link.at(ms(160.0), step_up);
     world.link.at(ms(2300.0), Command::StopRecording);
@@ -98,6 +98,40 @@ fn a_step_response_of_two_seconds_is_that_of_the_host_to_the_bit() {
     println!("{:?}", run.driver.link.status());
 }
 
+#[test]
+fn a_recording_over_the_link_has_every_tick_to_the_bit_beside_the_answers() {
+    let firmware = firmware();
+    let mut world = world(&firmware, 1500.0);
+    world.link.keep_recorded();
+    world.link.at(ms(100.0), Command::StartRecording { run: 43, over_link: true });
+    world.link.at(ms(120.0), ENABLE);
+    // The busiest line there is: everything moves, and a status is asked for every 10 ms.
+    world.link.at(ms(130.0), run_alone(Shape::Chirp { amplitude_rad: 0.3, from_hz: 1.0, to_hz: 8.0 }, 1.2));
+    for nth in 0..120 {
+        world.link.at(ms(140.0 + 10.0 * f64::from(nth)), Command::Status);
+    }
+    world.link.at(ms(1400.0), Command::StopRecording);
+    let mut run = firmware.run(world).unwrap();
+    let entries = run.driver.link.recorded().unwrap();
+    let recordings = recordings(&entries);
+    let [recording] = recordings.as_slice() else { panic!("{} recordings", recordings.len()) };
+    assert_eq!((recording.begin.run, recording.lost(), recording.damaged), (43, 0, 0));
+    assert!(matches!(entries.last(), Some(Entry::End)));
+    assert!(recording.frames.len() > 2580, "{} frames", recording.frames.len());
+    assert_eq!(recording.begin.build, Image::parse(&std::fs::read(common::elf()).unwrap()).unwrap().build());
+    let params = Params::new(&recording.begin.config).unwrap();
+    let mut state = recording.begin.state;
+    for frame in &recording.frames {
+        assert_eq!(step(&params, &mut state, &frame.inputs), frame.outputs, "tick {}", frame.seq);
+    }
+    let statuses =
+        run.driver.link.replies.iter().filter(|(_, reply)| matches!(reply.answer, Answer::Status(_))).count();
+    assert_eq!(statuses, 120, "every question is answered");
+    // And the log stays one for people: no frames in it.
+    assert!(!log(&run).iter().any(|entry| matches!(entry, Entry::Frame(_))));
+    assert!(events(&log(&run)).iter().any(|event| event.contains("damper, ")), "the mode is told");
+}
+
 /// Codes at the DAC after the write of a tick.
 fn written_in(run: &common::Run, seq: u32) -> [u16; 2] {
     // The first two samples are those of the converter's start-up; a tick's write follows its sample.
@@ -111,7 +145,16 @@ fn written_in(run: &common::Run, seq: u32) -> [u16; 2] {
 const SETS: [&[(&str, f32)]; 3] = [
     &[],
     &[("kp_nm_rad", 120.0), ("kd_nm_s_rad", 5.0), ("speed_filter_s", 0.003), ("near_rad", 0.05), ("hold", 1.0)],
-    &[("kp_nm_rad", 270.0), ("kd_nm_s_rad", 7.5), ("er_a", 0.03), ("field_limit_kv_mm", 2.5), ("near_rad", 0.0)],
+    &[
+        ("kp_nm_rad", 270.0),
+        ("kd_nm_s_rad", 7.5),
+        ("er_a", 0.03),
+        ("er_q0", 3.5),
+        ("er_q1_s_rad", -7.0),
+        ("er_q2_s2_rad2", 2.0),
+        ("field_limit_kv_mm", 2.5),
+        ("near_rad", 0.0),
+    ],
 ];
 const SHAPE_S: f32 = 0.6;
 
@@ -151,7 +194,7 @@ fn every_shape_and_mode_is_that_of_the_host_to_the_bit_under_three_sets_of_param
             tell(Command::WriteParameter { index, value: *value }, 1.5);
         }
         tell(Command::Apply { force: true }, 1.5);
-        tell(Command::StartRecording { run: 1 }, 3.0);
+        tell(Command::StartRecording { run: 1, over_link: false }, 3.0);
         tell(ENABLE, 5.0);
         shapes().into_iter().for_each(|shape| tell(run_alone(shape, SHAPE_S), 700.0));
         // In motion, for the controlled stop.

@@ -1,6 +1,9 @@
 //! The host's side of the command link, over any stream of bytes: what is to be sent, and what has come in.
 
-use er_servo::link::{Answer, Command, Malformed, PACKET_BYTES, Packet, Receiver, Reply, encode};
+use er_servo::link::{Answer, Command, Malformed, PACKET_BYTES, Packet, Received, Receiver, Reply, encode};
+
+use crate::log::{self, Entry};
+use crate::telemetry;
 
 /// A session with a drive. It only makes and reads bytes; who carries them is not its business.
 #[derive(Debug, Default)]
@@ -10,6 +13,9 @@ pub struct Client {
     receiver: Receiver,
     /// Answers that were damaged on the way.
     pub damaged: u32,
+    /// What of recordings came in; none is kept before somebody wants it.
+    recorded: Option<Vec<Entry>>,
+    unreadable: Option<log::Error>,
 }
 
 impl Client {
@@ -36,17 +42,43 @@ impl Client {
 
     /// Takes a byte; gives the answer that ended with it, if one did. An answer to a hello opens the session.
     pub fn receive(&mut self, byte: u8) -> Option<Reply> {
-        match self.receiver.push::<Reply>(byte)? {
-            Ok(reply) => {
+        match self.receiver.push_any::<Reply>(byte)? {
+            Ok(Received::Message(reply)) => {
                 if let Answer::Hello { session, .. } = reply.answer {
                     self.session = session;
                 }
                 Some(reply)
             }
+            Ok(Received::Telemetry(packet)) => {
+                match (&mut self.recorded, telemetry::entries(packet)) {
+                    (Some(recorded), Ok(entries)) => recorded.extend(entries),
+                    (Some(_), Err(error)) => self.unreadable = Some(error),
+                    (None, _) => {}
+                }
+                None
+            }
             Err(Malformed::Damaged | Malformed::Overlong) => {
                 self.damaged += 1;
+                self.recorded.iter_mut().for_each(|recorded| recorded.push(Entry::Damaged));
                 None
             }
         }
+    }
+
+    /// What of recordings has come in since the last time.
+    ///
+    /// # Errors
+    ///
+    /// A recording of another release.
+    pub fn recorded(&mut self) -> Result<Vec<Entry>, log::Error> {
+        match self.unreadable.take() {
+            Some(error) => Err(error),
+            None => Ok(self.recorded.as_mut().map(std::mem::take).unwrap_or_default()),
+        }
+    }
+
+    /// Keeps what of recordings comes in from now on.
+    pub fn keep_recorded(&mut self) {
+        (self.recorded, self.unreadable) = (Some(Vec::new()), None);
     }
 }

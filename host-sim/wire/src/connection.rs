@@ -11,7 +11,7 @@ use er_servo::parameters::{Parameter, TABLE};
 use er_servo::{Config, Params};
 
 use crate::client::Client;
-use crate::log::Build;
+use crate::log::{Build, Entry};
 use crate::parameter::{self, ParameterError};
 
 /// A save erases flash, which takes up to 1.6 s; nothing is answered meanwhile.
@@ -53,6 +53,9 @@ pub enum LinkError {
     /// The drive said no.
     #[error("the drive refused: {0}")]
     Refused(Refusal),
+    /// What is recorded over the link is of another release.
+    #[error(transparent)]
+    Recording(#[from] crate::log::Error),
     /// A parameter that the drive would not take, found before it was sent.
     #[error(transparent)]
     Parameter(#[from] ParameterError),
@@ -173,6 +176,34 @@ impl<S: Read + Write> Connection<S> {
             Answer::Status(status) => Ok(status),
             answer => Err(LinkError::Unexpected { command: Command::Status, answer: Box::new(answer) }),
         }
+    }
+
+    /// Listens for a time, to what is recorded over the link.
+    ///
+    /// # Errors
+    ///
+    /// A connection that broke off.
+    pub fn listen_for(&mut self, time: Duration) -> Result<(), LinkError> {
+        self.listen(None, time).map(drop)
+    }
+
+    /// What of recordings has come in since the last time, while waiting for answers too.
+    ///
+    /// # Errors
+    ///
+    /// A recording of another release.
+    pub fn recorded(&mut self) -> Result<Vec<Entry>, LinkError> {
+        Ok(self.client.recorded()?)
+    }
+
+    /// Starts a recording over the link.
+    ///
+    /// # Errors
+    ///
+    /// A refusal, or no answer.
+    pub fn start_recording(&mut self, run: u32) -> Result<(), LinkError> {
+        self.client.keep_recorded();
+        self.tell(Command::StartRecording { run, over_link: true })
     }
 
     /// The newest fault of the event log but `back`; none where there are fewer.

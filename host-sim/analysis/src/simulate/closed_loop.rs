@@ -176,7 +176,7 @@ impl ClosedLoop {
             field_kv_mm: f64::from(outputs.field_kv_mm),
             braking: outputs.mode == LawMode::Brake,
             speed_estimate: f64::from(outputs.speed_rad_s),
-            viscosity: if self.viscosity_acts { viscosity_nm_s_rad(&outputs) } else { None },
+            viscosity: if self.viscosity_acts { viscosity_nm_s_rad(&self.params, &outputs) } else { None },
             external_torque: self.torque_noise.as_mut().map_or(0.0, TorqueNoise::draw),
         };
         self.field_kv_mm = outputs.field_kv_mm;
@@ -189,10 +189,10 @@ impl ClosedLoop {
 }
 
 /// The coefficient Q that the damper was asked for; none while it brakes, whose torque is not a viscosity.
-fn viscosity_nm_s_rad(outputs: &Outputs) -> Option<f64> {
+fn viscosity_nm_s_rad(params: &Params, outputs: &Outputs) -> Option<f64> {
     match outputs.mode {
         LawMode::Off => Some(0.0),
-        LawMode::Damper => Some(f64::from(er_servo::viscosity_nm_s_rad(outputs.speed_rad_s))),
+        LawMode::Damper => Some(f64::from(params.viscosity_nm_s_rad(outputs.speed_rad_s))),
         LawMode::Brake => None,
     }
 }

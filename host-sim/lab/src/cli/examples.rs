@@ -26,6 +26,7 @@ Example:
   servo-lab decode --elf er-servo rtt.bin --out run.csv";
 pub(super) const RECORD: &str = "\
 Example:
+  servo-lab record --port /dev/ttyUSB0 --for-s 10 --out run.csv
   servo-lab record --elf er-servo --tcp localhost:9090 --for-s 10 --out run.csv";
 pub(super) const DIAGNOSE: &str = "\
 Example:
@@ -34,7 +35,7 @@ Example:
 pub(super) const LINK: &str = "\
 Example:
   servo-lab link --port /dev/ttyUSB0 enable
-  servo-lab link --port /dev/ttyUSB0 run chirp --amplitude-deg 5 --to-hz 8 --duration-s 20";
+  servo-lab link --port /dev/ttyUSB0 run chirp --amplitude-deg 5 --to-hz 8 --duration-s 20 --enable --record run.csv";
 pub(super) const PROVE: &str = "\
 Example:
   servo-lab prove --quick --out out/prove";

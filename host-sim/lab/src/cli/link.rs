@@ -4,6 +4,7 @@ mod drive;
 mod experiment;
 mod status;
 
+use std::path::PathBuf;
 use std::time::Duration;
 
 use er_servo::Counts;
@@ -11,8 +12,10 @@ use er_servo::link::{self, BAUD, Command, Pace};
 use wire::connection::Connection;
 use wire::parameter::{check, find};
 
+use super::record::csv_name;
 use crate::Error;
 use crate::line::{Line, Stream};
+use crate::output::{Files, Growing};
 
 /// Flags of `link`.
 #[derive(Debug, clap::Args)]
@@ -147,6 +150,12 @@ struct Run {
     /// Greatest torque, whole N m; without it, torque_limit_nm.
     #[arg(long, global = true, value_name = "NM", default_value_t = 0)]
     max_torque_nm: u8,
+    /// Record it over the link, .csv.
+    #[arg(long, global = true, value_name = "FILE", value_parser = csv_name, conflicts_with = "autonomous")]
+    record: Option<PathBuf>,
+    /// Replaces a recording that is there though servo-lab did not write it.
+    #[arg(long, global = true)]
+    force: bool,
     #[command(subcommand)]
     shape: experiment::Shape,
 }
@@ -204,9 +213,13 @@ fn assignment(text: &str) -> Result<(String, f32), String> {
 /// No connection, a drive that refuses, flags or values that cannot be.
 pub fn run(args: &Args) -> Result<(), Error> {
     args.action.check()?;
+    let record = args.action.record()?;
     let line = args.line.line();
     let mut drive = Drive { connection: line.connect()?, line };
-    let outcome = drive.carry_out(&args.action);
+    let outcome = match (&args.action, record) {
+        (Action::Run(run), Some(out)) => drive.run_recorded(run, out),
+        (action, _) => drive.carry_out(action),
+    };
     drive.connection.close();
     outcome
 }
@@ -237,13 +250,21 @@ impl Drive {
             Action::Defaults => drive.tell(Command::Defaults).and_then(|()| drive.tell(APPLY)),
             Action::Load => drive.tell(Command::Load).and_then(|()| drive.tell(APPLY)),
             Action::Save => drive.tell(Command::Save),
-            Action::StartRecording { run } => drive.tell(Command::StartRecording { run: *run }),
+            Action::StartRecording { run } => drive.tell(Command::StartRecording { run: *run, over_link: false }),
             Action::StopRecording => drive.tell(Command::StopRecording),
         }
     }
 }
 
 impl Action {
+    /// The recording that is to be written.
+    fn record(&self) -> Result<Option<Growing>, Error> {
+        let Self::Run(Run { record: Some(file), force, .. }) = self else { return Ok(None) };
+        let mut files = Files::new(*force);
+        let out = files.writes(file);
+        files.check()?.growing(out).map(Some)
+    }
+
     /// What can be known to be wrong without a drive.
     fn check(&self) -> Result<(), Error> {
         let outcome = match self {

@@ -1,23 +1,25 @@
 //! `servo-lab record`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
+use er_servo::link::BAUD;
 use wire::log::Image;
 
 use super::Overwrite;
 use super::decode::note_parameters;
 use super::link::seconds;
 use crate::interrupt::Interrupt;
-use crate::record::{Ended, Origin, Wanted, record};
+use crate::line::Line;
+use crate::record::{Ended, Origin, Wanted, record, record_over_link};
 use crate::{Error, output};
 
 /// Flags of `record`.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// ELF file of the image the drive runs.
+    /// ELF file of the image the drive runs, for what comes by RTT; over the command link none is needed.
     #[arg(long, value_name = "IMAGE")]
-    elf: PathBuf,
+    elf: Option<PathBuf>,
     #[command(flatten)]
     from: From,
     /// Where the recording goes, .csv; it has this name once it has ended.
@@ -36,19 +38,23 @@ pub struct Args {
 #[derive(Debug, clap::Args)]
 #[group(required = true, multiple = false)]
 struct From {
-    /// Address of an RTT server that passes on channel 0 (OpenOCD `rtt server start`, J-Link, a bridge).
+    /// Serial port of the drive's command link.
+    #[arg(long, value_name = "PORT")]
+    port: Option<String>,
+    /// With --elf an RTT server that passes on channel 0 (OpenOCD `rtt server start`, J-Link, a bridge); without, a tunnel on this
+    /// machine to the drive's command link.
     #[arg(long, value_name = "HOST:PORT")]
     tcp: Option<String>,
     /// The first debug probe that is connected; it reads memory and never halts the core.
     #[cfg(feature = "probe")]
-    #[arg(long)]
+    #[arg(long, requires = "elf")]
     probe: bool,
     /// File or pipe with the bytes of RTT channel 0; - is standard input.
-    #[arg(value_name = "RTT")]
+    #[arg(value_name = "RTT", requires = "elf")]
     log: Option<PathBuf>,
 }
 
-fn csv_name(text: &str) -> Result<PathBuf, String> {
+pub(super) fn csv_name(text: &str) -> Result<PathBuf, String> {
     let file = PathBuf::from(text);
     match file.extension() {
         Some(extension) if extension.eq_ignore_ascii_case("csv") => Ok(file),
@@ -57,18 +63,27 @@ fn csv_name(text: &str) -> Result<PathBuf, String> {
 }
 
 impl Args {
+    /// The command link; none where the log is read.
+    fn line(&self) -> Option<Line> {
+        match (&self.from.port, &self.from.tcp, &self.elf) {
+            (Some(port), ..) => Some(Line::Serial { port: port.clone(), baud: BAUD }),
+            (None, Some(address), None) => Some(Line::Tcp(address.clone())),
+            _ => None,
+        }
+    }
+
     #[cfg(feature = "probe")]
-    fn origin(&self, elf: &[u8]) -> Result<Origin, Error> {
+    fn origin(&self, file: &Path, elf: &[u8]) -> Result<Origin, Error> {
         if !self.from.probe {
             return Ok(self.stream());
         }
         let address = Image::rtt_address(elf);
-        let rtt_address = address.map_err(|error| Error::input(&self.elf, None, "", error.to_string()))?;
+        let rtt_address = address.map_err(|error| Error::input(file, None, "", error.to_string()))?;
         Ok(Origin::Probe { rtt_address })
     }
 
     #[cfg(not(feature = "probe"))]
-    fn origin(&self, _: &[u8]) -> Result<Origin, Error> {
+    fn origin(&self, _: &Path, _: &[u8]) -> Result<Origin, Error> {
         Ok(self.stream())
     }
 
@@ -88,16 +103,24 @@ impl Args {
 /// broke off.
 pub fn run(args: &Args) -> Result<(), Error> {
     let mut files = args.overwrite.files();
-    files.reads(&args.elf);
+    files.reads_all(&args.elf);
     files.reads_all(&args.from.log);
     let out = files.writes(&args.out);
     let outputs = files.check()?;
-    let unreadable = |message: String| Error::input(&args.elf, None, "", message);
-    let elf = std::fs::read(&args.elf).map_err(|error| unreadable(format!("cannot open: {error}")))?;
-    let image = Image::parse(&elf).map_err(|error| unreadable(error.to_string()))?;
-    let out = outputs.growing(out)?;
     let wanted = Wanted { run: args.run, duration: args.for_s };
-    let (summary, ended) = record(&image, &args.origin(&elf)?, &wanted, out, &Interrupt::watch()?)?;
+    let (summary, ended) = match (args.line(), &args.elf) {
+        (Some(line), _) => record_over_link(&line, &wanted, outputs.growing(out)?, &Interrupt::watch()?)?,
+        (None, Some(file)) => {
+            let unreadable = |message: String| Error::input(file, None, "", message);
+            let elf = std::fs::read(file).map_err(|error| unreadable(format!("cannot open: {error}")))?;
+            let image = Image::parse(&elf).map_err(|error| unreadable(error.to_string()))?;
+            let origin = args.origin(file, &elf)?;
+            record(&image, &origin, &wanted, outputs.growing(out)?, &Interrupt::watch()?)?
+        }
+        (None, None) => {
+            return Err(Error::Usage("--elf: what comes by RTT is read with the image's ELF file".to_owned()));
+        }
+    };
     eprintln!("{summary}");
     note_parameters(&summary.begin.config);
     let reason = match ended {

@@ -1,5 +1,7 @@
-//! One run of a drive, recorded from the log as it comes: [`Origin`] brings the bytes, [`Recorder`] writes the rows.
+//! One run of a drive, recorded as it comes: from the log ([`Origin`] brings the bytes), or over the command link without a
+//! probe; [`Recorder`] writes the rows.
 
+mod over_link;
 #[cfg(feature = "probe")]
 mod probe;
 mod recorder;
@@ -7,13 +9,14 @@ mod recorder;
 mod ring;
 mod source;
 
+pub use over_link::{OverLink, record_over_link};
 pub use recorder::{Recorder, Summary};
 pub use source::Origin;
 
 use std::sync::mpsc::RecvTimeoutError;
 use std::time::{Duration, Instant};
 
-use wire::log::Image;
+use wire::log::{Error as LogError, Image};
 
 use crate::Error;
 use crate::interrupt::Interrupt;
@@ -59,7 +62,9 @@ pub fn record(
     interrupt: &Interrupt,
 ) -> Result<(Summary, Ended), Error> {
     let chunks = origin.open()?;
-    let mut recorder = Recorder::new(image, origin.to_string(), wanted.run, out);
+    let unreadable = |error: LogError| Error::input(origin.to_string().as_ref(), None, "", error.to_string());
+    let mut stream = image.stream();
+    let mut recorder = Recorder::new(origin.to_string(), wanted.run, out);
     let start = Instant::now();
     let ended = loop {
         if interrupt.is_raised() {
@@ -69,12 +74,11 @@ pub fn record(
             break Ended::Time;
         }
         match chunks.recv_timeout(LOOK) {
-            Ok(Ok(bytes)) => match recorder.push(&bytes) {
-                Ok(true) => break Ended::ByDrive,
-                Ok(false) => {}
-                // The output failed: what was written is gone with it.
-                Err(error @ Error::Output { .. }) => return Err(error),
-                Err(error) => break Ended::Broken(error),
+            Ok(Ok(bytes)) => match stream.push(&bytes) {
+                // Where the output fails, what was written is gone with it.
+                Ok(entries) if recorder.take(&entries)? => break Ended::ByDrive,
+                Ok(_) => {}
+                Err(error) => break Ended::Broken(unreadable(error)),
             },
             Ok(Err(error)) => break Ended::Broken(error),
             Err(RecvTimeoutError::Timeout) => {}
@@ -84,9 +88,12 @@ pub fn record(
     match (recorder.finish()?, ended) {
         (Some(summary), ended) => Ok((summary, ended)),
         (None, Ended::Broken(error)) => Err(error),
-        (None, _) => Err(origin.error(match wanted.run {
-            None => "no start of a recording came: start one with `servo-lab link ... start-recording`".to_owned(),
-            Some(run) => format!("no start of run {run} came"),
-        })),
+        (None, _) => {
+            stream.finish().map_err(unreadable)?;
+            Err(origin.error(match wanted.run {
+                None => "no start of a recording came: start one with `servo-lab link ... start-recording`".to_owned(),
+                Some(run) => format!("no start of run {run} came"),
+            }))
+        }
     }
 }

@@ -1,7 +1,7 @@
-//! Turns a log into the rows of one run, piece by piece.
+//! Turns what a drive tells of one run into rows, piece by piece.
 
 use er_servo::Frame;
-use wire::log::{Begin, Entry, Image, Stream, Ticks};
+use wire::log::{Begin, Entry, Ticks};
 
 use crate::Error;
 use crate::decode::recording;
@@ -26,29 +26,26 @@ impl std::fmt::Display for Summary {
     }
 }
 
-/// Writes one run of a log as it comes.
-pub struct Recorder<'a> {
-    stream: Stream<'a>,
+/// Writes one run as it comes.
+pub struct Recorder {
     name: String,
     run: Option<u32>,
     summary: Option<Summary>,
     out: Growing,
 }
 
-impl<'a> Recorder<'a> {
-    /// Waits for the run of that number, or for any; `name` is that of the log.
-    pub fn new(image: &'a Image, name: String, run: Option<u32>, out: Growing) -> Self {
-        Self { stream: image.stream(), name, run, summary: None, out }
+impl Recorder {
+    /// Waits for the run of that number, or for any; `name` is where it comes from.
+    pub fn new(name: String, run: Option<u32>, out: Growing) -> Self {
+        Self { name, run, summary: None, out }
     }
 
-    /// Takes bytes of the log; whether the run has ended with them. Events go to standard error.
+    /// Takes entries; whether the run has ended with them. Events go to standard error.
     ///
     /// # Errors
     ///
-    /// A log of another image, or an output that cannot be written.
-    pub fn push(&mut self, bytes: &[u8]) -> Result<bool, Error> {
-        let decoded = self.stream.push(bytes);
-        let entries = decoded.map_err(|error| Error::input(self.name.as_ref(), None, "", error.to_string()))?;
+    /// An output that cannot be written.
+    pub fn take(&mut self, entries: &[Entry]) -> Result<bool, Error> {
         let mut frames = Vec::new();
         let has_ended = entries.iter().any(|entry| self.entry(entry, &mut frames));
         if let Some(summary) = self.summary.as_ref().filter(|_| !frames.is_empty()) {
@@ -82,13 +79,10 @@ impl<'a> Recorder<'a> {
     ///
     /// # Errors
     ///
-    /// A log that was none of this image, or an output that cannot be written.
+    /// An output that cannot be written.
     pub fn finish(self) -> Result<Option<Summary>, Error> {
-        let Self { stream, name, summary, mut out, .. } = self;
-        let Some(summary) = summary else {
-            let judged = stream.finish();
-            return judged.map(|()| None).map_err(|error| Error::input(name.as_ref(), None, "", error.to_string()));
-        };
+        let Self { name, summary, mut out, .. } = self;
+        let Some(summary) = summary else { return Ok(None) };
         if summary.ticks.taken == 0 {
             out.append(&recording(&name, &summary.begin, &[]))?;
         }

@@ -3,9 +3,11 @@
 use er_servo::events::Event;
 use er_servo::experiment::Sequence;
 use er_servo::host_sim::Bench;
+use er_servo::link::TELEMETRY_BYTES;
 use er_servo::link::{Commander, Drive, Offset, Pace, Refusal};
 use er_servo::motion::MotionLimits;
 use er_servo::storage::StorageError;
+use er_servo::telemetry::{self, Begin, Packer};
 use er_servo::{Config, Counts, Faults, Frame, Params, Request, State, Supervisor};
 use plant::Model;
 
@@ -22,6 +24,9 @@ pub struct Machine {
     pub log: Vec<u8>,
     /// Ticks whose frames the log loses from now on.
     pub lose: u32,
+    /// What it has sent over the link beside its answers, since somebody took it.
+    pub telemetry: Vec<u8>,
+    packer: Option<Packer>,
     encoder: Option<Encoder>,
     commander: Commander,
     sequence: Option<Sequence>,
@@ -44,6 +49,8 @@ impl Machine {
             last: None,
             log: Vec::new(),
             lose: 0,
+            telemetry: Vec::new(),
+            packer: None,
             encoder,
             commander,
             sequence: None,
@@ -67,8 +74,8 @@ impl Machine {
         let offset = || sequence.as_mut().map(|sequence| sequence.next().map_or(Offset::End, Offset::Counts));
         let orders = commander.orders(bench.servo.state(), bench.servo.params().motion(), offset);
         let frame = bench.tick(&orders).unwrap();
-        if let (Some(encoder), true, 0) = (&self.encoder, self.recording, self.lose) {
-            self.log.extend(encoder.frame(&frame));
+        if self.recording && self.lose == 0 {
+            self.record(&frame);
         }
         self.lose = self.lose.saturating_sub(1);
         let before = self.last.map_or(Faults::empty(), |last| last.outputs.supervisor.faults());
@@ -80,6 +87,17 @@ impl Machine {
         self.last = Some(frame);
     }
 
+    fn record(&mut self, frame: &Frame) {
+        let Some(packer) = &mut self.packer else {
+            self.log.extend(self.encoder.iter().flat_map(|encoder| encoder.frame(frame)));
+            return;
+        };
+        if !packer.push(frame) {
+            self.telemetry.extend(packer.finish(&mut [0; TELEMETRY_BYTES]).unwrap());
+            assert!(packer.push(frame));
+        }
+    }
+
     /// A log of one run: enabled, a step of the reference, ended.
     pub fn record_step(&mut self, run: u32, ticks: u32) {
         self.start(run, 20);
@@ -88,7 +106,7 @@ impl Machine {
 
     /// The begin of a run, and so many ticks of it.
     pub fn start(&mut self, run: u32, ticks: u32) {
-        self.start_recording(run, &Config::default());
+        self.start_recording(run, false, &Config::default());
         self.enable(true);
         self.ticks(ticks);
         self.heard();
@@ -190,16 +208,27 @@ impl Drive for Machine {
         self.recording
     }
 
-    fn start_recording(&mut self, run: u32, config: &Config) {
+    fn start_recording(&mut self, run: u32, over_link: bool, config: &Config) {
         self.recording = true;
-        if let Some(encoder) = &self.encoder {
+        self.packer = over_link.then(Packer::default);
+        if over_link {
+            let (build, tick, state) = (self.build(), self.next, self.state());
+            let begin = Begin { run, build, tick, state, config: *config };
+            self.telemetry.extend(begin.encode(&mut [0; TELEMETRY_BYTES]));
+        } else if let Some(encoder) = &self.encoder {
             self.log.extend(encoder.begin(run, self.next, self.bench.servo.state(), config));
         }
     }
 
     fn stop_recording(&mut self) {
-        if let (Some(encoder), true) = (&self.encoder, self.recording) {
-            self.log.extend(encoder.end());
+        match (self.packer.take(), &self.encoder) {
+            (Some(mut packer), _) => {
+                let mut packet = [0; TELEMETRY_BYTES];
+                self.telemetry.extend(packer.finish(&mut packet).unwrap_or_default());
+                self.telemetry.extend(telemetry::end(&mut packet));
+            }
+            (None, Some(encoder)) if self.recording => self.log.extend(encoder.end()),
+            _ => {}
         }
         self.recording = false;
     }

@@ -117,6 +117,7 @@ fn serve(strings: &Strings, mut link: Ear, mut log: Ear, encoder: Option<Encoder
         for byte in &buffer[..count] {
             let Some(reply) = server.push(*byte, &mut machine) else { continue };
             let lose = |left: u32| left.checked_sub(1);
+            link.write(&std::mem::take(&mut machine.telemetry));
             if strings.lose_answers.fetch_update(Ordering::Relaxed, Ordering::Relaxed, lose).is_err() {
                 link.write(encode(&reply, &mut [0; PACKET_BYTES]).unwrap());
             }
@@ -126,6 +127,7 @@ fn serve(strings: &Strings, mut link: Ear, mut log: Ear, encoder: Option<Encoder
         // A thread that was kept waiting does not catch up: that would be silence of the link.
         machine.ticks((due - ticks).min(10));
         ticks = due;
+        link.write(&std::mem::take(&mut machine.telemetry));
         log.write(&std::mem::take(&mut machine.log));
         if strings.hang_up.swap(false, Ordering::Relaxed) {
             log.peer = None;

@@ -132,7 +132,7 @@ fn lost_answers_are_asked_for_again_and_nothing_is_done_twice() {
     let mut connection = Line::Tcp(far.link.to_string()).connect().unwrap();
     far.strings.lose_answers.store(3, Ordering::Relaxed);
     // A second start would be refused.
-    connection.tell(Command::StartRecording { run: 1 }).unwrap();
+    connection.tell(Command::StartRecording { run: 1, over_link: false }).unwrap();
     let status = connection.status().unwrap();
     assert_eq!((status.counters.packets, status.counters.replayed, status.counters.refused), (2, 3, 0));
     // A hello whose answer was lost opens two sessions; the last one holds.
@@ -288,7 +288,7 @@ fn strangers_at_the_far_end_are_told_from_a_drive() {
         (closing, "connection"),
         (flooding, "no answer to 6 attempts"),
         (babbling, "no answer to 6 attempts"),
-        (other_version, "the drive speaks version 4 of the link, this tool 3"),
+        (other_version, "the drive speaks version 5 of the link, this tool 4"),
     ] {
         let start = Instant::now();
         let said = fails(Path::new(HERE), &format!("link --tcp {address} status"), 4);

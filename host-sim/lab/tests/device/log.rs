@@ -48,7 +48,7 @@ impl Encoder {
 
     pub fn begin(&self, run: u32, tick: u32, state: &State, config: &Config) -> Vec<u8> {
         let values = parameters::TABLE.iter().flat_map(|parameter| (parameter.get)(config).to_le_bytes());
-        let mut plain = self.begin.to_le_bytes().to_vec();
+        let mut plain = stamped(self.begin);
         plain.extend(run.to_le_bytes());
         plain.push(FRAME_SCHEMA);
         plain.extend(self.build);
@@ -59,16 +59,21 @@ impl Encoder {
     }
 
     pub fn frame(&self, frame: &Frame) -> Vec<u8> {
-        message(&[&self.frame.to_le_bytes()[..], &frame.encode()].concat())
+        message(&[&stamped(self.frame)[..], &frame.encode()].concat())
     }
 
     pub fn end(&self) -> Vec<u8> {
-        message(&self.end.to_le_bytes())
+        message(&stamped(self.end))
     }
 
     pub fn event(&self, text: &str) -> Vec<u8> {
-        message(&[&self.event.to_le_bytes()[..], &slice(text.as_bytes())].concat())
+        message(&[&stamped(self.event)[..], &slice(text.as_bytes())].concat())
     }
+}
+
+/// Which message, and when, in microseconds: nobody looks at it.
+fn stamped(message: u16) -> Vec<u8> {
+    [&message.to_le_bytes()[..], &[0; 4]].concat()
 }
 
 /// Bytes with their number before them.

@@ -113,3 +113,38 @@ fn without_a_recording_there_is_no_file() {
     assert!(crate::fails(folder.path(), &line, 4).contains("127.0.0.1:1: "));
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
 }
+
+#[test]
+fn a_run_is_recorded_over_the_link_without_a_probe_or_the_image_and_replays() {
+    let far = Far::start(None);
+    let folder = tempfile::tempdir().unwrap();
+    let said = printed(folder.path(), &far.line("run chirp --duration-s 1 --enable --record run.csv"));
+    assert!(said.contains("stopped\nwrote run.csv: "), "{said}");
+    let recorded = fs::read_to_string(folder.path().join("run.csv")).unwrap();
+    assert!(recorded.lines().count() > 100 && recorded.contains(",damper,"), "it moved");
+    let replayed = printed(folder.path(), "replay run.csv");
+    assert!(replayed.contains("identical"), "{replayed}");
+
+    let said = printed(folder.path(), &format!("record --tcp {} --for-s 0.5 --out rest.csv", far.link));
+    assert!(said.ends_with(" rows, the time was over\n"), "{said}");
+    assert!(printed(folder.path(), "replay rest.csv").contains("identical"));
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 2, "the temporary files are gone");
+
+    let missing = crate::lab(folder.path(), "record rtt.bin --out log.csv");
+    let said = String::from_utf8(missing.stderr).unwrap();
+    assert!(missing.status.code() == Some(2) && said.contains("--elf <IMAGE>"), "{said}");
+}
+
+#[test]
+fn what_came_before_a_drive_fell_silent_is_kept() {
+    let far = Far::start(None);
+    let folder = tempfile::tempdir().unwrap();
+    let mut command = Command::new(assert_cmd::cargo::cargo_bin("servo-lab"));
+    command.current_dir(folder.path()).args(["record", "--tcp", &far.link.to_string(), "--out", "rec.csv"]);
+    let child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    wait_until("rows are written", || growing(folder.path()) > 0);
+    drop(far);
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(4), "{}", String::from_utf8_lossy(&output.stderr));
+    assert!(fs::read_to_string(folder.path().join("rec.csv")).unwrap().lines().count() > 1);
+}

@@ -145,7 +145,7 @@ impl Damper {
         #[allow(clippy::cast_possible_truncation)]
         let single = speed.abs() as f32;
         let field = f64::from(er_servo::field_for_damping_kv_mm(&self.params, single)).min(limit);
-        let viscosity = f64::from(er_servo::viscosity_nm_s_rad(single));
+        let viscosity = f64::from(self.params.viscosity_nm_s_rad(single));
         Order { field, viscosity, brake_nm: 0.0 }
     }
 

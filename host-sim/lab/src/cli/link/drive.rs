@@ -9,8 +9,11 @@ use er_servo::parameters::{Parameter, TABLE};
 use wire::connection::LinkError;
 
 use super::{BEAT, Drive, RUNNING, Run, STOPPING, Stay, TAKES_EFFECT, status};
+use crate::cli::decode::note_parameters;
 use crate::decode::parameter_line;
 use crate::interrupt::Interrupt;
+use crate::output::Growing;
+use crate::record::OverLink;
 use crate::{Error, output};
 
 impl Drive {
@@ -98,7 +101,9 @@ impl Drive {
             if interrupt.is_raised() || for_s.is_some_and(|for_s| start.elapsed() >= for_s) {
                 return Ok(status);
             }
-            std::thread::sleep(BEAT);
+            // What is recorded comes in meanwhile.
+            let outcome = self.connection.listen_for(BEAT);
+            self.known(outcome)?;
         }
     }
 
@@ -125,6 +130,18 @@ impl Drive {
             self.beat(Some(Duration::from_secs_f32(experiment.duration_s)))?;
         }
         if run.enable { self.disable() } else { Ok(()) }
+    }
+
+    /// Runs it, and writes the recording whatever becomes of it.
+    pub(super) fn run_recorded(&mut self, run: &Run, out: Growing) -> Result<(), Error> {
+        let recording = OverLink::start(&self.line, &mut self.connection, 1, out)?;
+        let outcome = self.run(run);
+        let summary = recording.end(&mut self.connection)?;
+        eprintln!("{summary}");
+        note_parameters(&summary.begin.config);
+        let file = run.record.as_deref().unwrap_or(std::path::Path::new("")).display().to_string();
+        output::print(&format!("wrote {file}: {} rows\n", summary.ticks.taken))?;
+        outcome
     }
 
     pub(super) fn get(&mut self, names: &[String]) -> Result<(), Error> {
