@@ -6,6 +6,7 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand};
 
 mod firmware;
+mod flash;
 mod fuzz;
 mod option_bytes;
 mod run;
@@ -31,6 +32,13 @@ enum Command {
         /// moment, so with the drive disabled.
         #[arg(long)]
         check: bool,
+    },
+    /// Builds the image and writes it to the drive on the probe, which halts its core: with the drive disabled. Parameters and
+    /// events in flash stay.
+    Flash {
+        /// Shows the image's events until Ctrl-C.
+        #[arg(long)]
+        watch: bool,
     },
     /// Runs the release image on the emulated board with the plant behind its pins.
     Board {
@@ -59,6 +67,7 @@ fn main() -> ExitCode {
         Command::Test => test::all(),
         Command::Firmware { check: true } => option_bytes::check(),
         Command::Firmware { check: false } => firmware::build().map(|image| image.print()),
+        Command::Flash { watch } => flash::flash(watch),
         Command::Board { arguments } => firmware::board(&arguments),
         Command::Fuzz { target: Some(target), seconds } => fuzz::for_seconds(&target, seconds),
         Command::Fuzz { target: None, .. } => fuzz::bounded().and_then(|()| fuzz::sweep()),

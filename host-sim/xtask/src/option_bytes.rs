@@ -7,7 +7,7 @@ use crate::run::output;
 /// Option control register (RM0090 section 3.9.10).
 const OPTCR: &str = "0x40023C14";
 /// Chip as probe-rs names it.
-const CHIP: &str = "STM32F427VITx";
+pub const CHIP: &str = "STM32F427VITx";
 
 /// Reads the register through `probe-rs` and judges it.
 ///

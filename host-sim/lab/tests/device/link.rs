@@ -31,7 +31,10 @@ fn refused(far: &Far, action: &str, code: i32) -> String {
 #[test]
 fn every_command_is_carried_out() {
     let far = Far::start(None);
-    assert!(done(&far, "status").contains("state        ready\ninterlock    closed\n"));
+    let status = done(&far, "status");
+    assert!(status.contains("state        ready\ninterlock    closed\n"), "{status}");
+    // The stand-in's build id, "er-servo".
+    assert!(status.contains("image        65722d736572766f\n"), "{status}");
     assert_eq!(done(&far, "enable --for-s 0.1"), "running\nstopped\n");
     assert_eq!(done(&far, "enable --autonomous"), "running\n");
     for experiment in ["step", "steps", "multisine", "chirp", "ramp"] {

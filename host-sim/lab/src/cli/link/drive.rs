@@ -57,8 +57,8 @@ impl Drive {
     }
 
     pub(super) fn print_status(&mut self, json: bool) -> Result<(), Error> {
-        let status = self.status()?;
-        output::print(&if json { status::json(&status) } else { status::text(&status) })
+        let (status, build) = (self.status()?, self.connection.build);
+        output::print(&if json { status::json(&status, &build) } else { status::text(&status, &build) })
     }
 
     pub(super) fn print_events(&mut self) -> Result<(), Error> {

@@ -5,6 +5,7 @@ use er_servo::events::Event;
 use er_servo::link::Status;
 use er_servo::{Counts, Faults, InputFlags, MonitorCode};
 use serde_json::json;
+use wire::log::Build;
 
 use crate::output::Provenance;
 
@@ -28,8 +29,13 @@ pub fn event(event: &Event) -> String {
     event.faults().explain().chain(chip).fold(head, |text, cause| text + "     " + cause + "\n")
 }
 
+/// Which image it is, as `readelf -n` begins the build id of its ELF file.
+fn image(build: &Build) -> String {
+    build.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
 /// For a person.
-pub fn text(status: &Status) -> String {
+pub fn text(status: &Status, build: &Build) -> String {
     let flags = InputFlags::from_bits_truncate(status.flags);
     let either = |flag, yes, no| if flags.contains(flag) { yes } else { no };
     let counters = &status.counters;
@@ -47,6 +53,7 @@ pub fn text(status: &Status) -> String {
             let measured = MonitorCode(status.monitor).to_kv_mm();
             format!("{:.3} kV/mm commanded, {measured:.3} measured", status.field_kv_mm)
         }),
+        ("image", image(build)),
         ("tick", format!("{}, worst {} cycles", status.tick, status.worst_cycles)),
         ("recording", format!("{}, {} frames lost", if status.recording { "runs" } else { "none" }, status.lost)),
         (
@@ -61,7 +68,7 @@ pub fn text(status: &Status) -> String {
 }
 
 /// For a program.
-pub fn json(status: &Status) -> String {
+pub fn json(status: &Status, build: &Build) -> String {
     let flags = InputFlags::from_bits_truncate(status.flags);
     let state = state(status);
     let mut lines = state.lines();
@@ -78,6 +85,7 @@ pub fn json(status: &Status) -> String {
         "torque_cmd_nm": status.torque_nm,
         "field_cmd_kv_mm": status.field_kv_mm,
         "field_meas_kv_mm": MonitorCode(status.monitor).to_kv_mm(),
+        "image": image(build),
         "tick": status.tick,
         "worst_cycles": status.worst_cycles,
         "recording": status.recording,
