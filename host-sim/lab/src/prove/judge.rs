@@ -180,7 +180,7 @@ impl Outcome {
 
     /// Whether it named anything, by whatever verdict that offers names.
     pub fn offers_names(&self) -> bool {
-        matches!(self.verdict, Verdict::Named | Verdict::Ambiguous) && !self.named.is_empty()
+        matches!(self.verdict, Verdict::Named | Verdict::Partial | Verdict::Ambiguous) && !self.named.is_empty()
     }
 
     /// What was concealed, in words.
