@@ -47,6 +47,16 @@ impl Entry {
         self
     }
 
+    /// Parameter identifiers on a rotary axis.
+    pub(crate) fn parameters(&self) -> &'static [&'static str] {
+        self.parameters
+    }
+
+    /// Puts the effect with these values, in the order of its parameters, into a machine.
+    pub(crate) fn put(&self, physics: &mut Physics, values: &[f64]) {
+        (self.put)(physics, values);
+    }
+
     /// Puts the effect at `size` times its clear size into a machine.
     pub fn conceal(&self, size: f64, physics: &mut Physics, random: &mut StdRng) -> Concealed {
         let values = (self.draw)(size, random);

@@ -15,16 +15,19 @@ pub mod case;
 pub mod catalogue;
 pub mod closed_loop;
 mod delay;
+pub mod drawn;
 mod drive;
 mod fluid;
 mod friction;
 mod machine_file;
+pub mod outside;
 pub mod physics;
 pub mod plan;
 pub mod recording;
 pub mod reference;
 pub mod rotor;
 pub mod seal;
+mod sensor;
 mod shaft;
 
 pub use rotor::STEP_S;
@@ -43,6 +46,17 @@ pub enum Error {
         /// What the law said.
         faults: String,
     },
+    /// No drawn machine runs with the effects of its blueprint.
+    #[error("seed {seed}: none of the drawn machines runs with such effects")]
+    NoMachine {
+        /// The seed.
+        seed: u64,
+    },
+    /// Every family outside the vocabulary was used.
+    #[error(
+        "every family of effects outside the vocabulary was used: new ones are needed before a round can be scored"
+    )]
+    NoFamily,
     /// A file that is no reference.
     #[error("the reference cannot be played: {0}")]
     ReferenceFile(String),

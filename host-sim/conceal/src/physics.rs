@@ -1,4 +1,7 @@
-//! The machine as numbers, with everything that may be concealed in it. SI units, kV/mm for the field.
+//! The machine as numbers, with everything that may be concealed in it. SI units, kV/mm for the field; on a linear axis the
+//! same numbers are m, N and kg.
+
+use crate::outside::Hiding;
 
 /// amplitude sin(order position + phase).
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -175,6 +178,10 @@ pub struct Physics {
     pub sensor: Sensor,
     /// Standard deviation of a torque drawn anew each tick, N m.
     pub torque_noise_nm: f64,
+    /// Torque over the angle that belongs to the noise, N m.
+    pub ripple: Option<Wave>,
+    /// An effect outside the vocabulary that is no number of the machine.
+    pub hidden: Option<Hiding>,
 }
 
 impl Physics {
@@ -233,6 +240,8 @@ impl Physics {
             load_change: None,
             sensor: Sensor::default(),
             torque_noise_nm: 0.0,
+            ripple: None,
+            hidden: None,
         }
     }
 }
