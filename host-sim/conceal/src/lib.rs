@@ -8,7 +8,9 @@
 //!
 //! Data takes this way: [`plan`] says what a seed is, [`catalogue`] draws effects and their sizes, [`physics`] holds the machine as numbers, [`rotor`]
 //! integrates it, [`closed_loop`] runs the law on it along a [`mod@reference`], [`recording`] writes what the drive would have
-//! logged, [`case`] puts all of that together, and [`seal`] closes the truth away. The same seed gives the same files.
+//! logged, [`case`] puts all of that together, and [`seal`] closes the truth away. The same seed gives the same files. That is the fixed plan: one
+//! machine, lists of effects. In the drawn one [`drawn`] makes machines, logs and noise of any kind, with effects of the vocabulary or
+//! of [`outside`] in sizes of what the motion can tell.
 #![forbid(unsafe_code)]
 
 pub mod case;
@@ -29,6 +31,7 @@ pub mod rotor;
 pub mod seal;
 mod sensor;
 mod shaft;
+pub mod subject;
 
 pub use rotor::STEP_S;
 

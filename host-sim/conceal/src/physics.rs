@@ -100,6 +100,8 @@ pub struct Friction {
     pub stribeck: Option<(f64, f64)>,
     /// Coulomb level forward minus backward, N m.
     pub difference_nm: f64,
+    /// Viscous coefficient forward minus backward, N m s/rad.
+    pub viscous_difference_nm_s_rad: f64,
     /// Bristle stiffness, N m/rad; none for true stiction.
     pub presliding_nm_rad: Option<f64>,
     /// Share of the Coulomb level that varies with the angle.
@@ -158,8 +160,8 @@ pub struct Physics {
     pub fluid: Fluid,
     /// Bearings.
     pub friction: Friction,
-    /// Torque over the angle, N m.
-    pub cogging: Option<Wave>,
+    /// Torques over the angle, N m.
+    pub cogging: Vec<Wave>,
     /// -amplitude sin(position + phase), N m and rad.
     pub gravity: Option<(f64, f64)>,
     /// -k position, N m/rad.
@@ -220,6 +222,7 @@ impl Physics {
             quadratic_nm_s2_rad2: 0.0,
             stribeck: None,
             difference_nm: 0.0,
+            viscous_difference_nm_s_rad: 0.0,
             presliding_nm_rad: None,
             over_position: None,
             ageing: None,
@@ -230,7 +233,7 @@ impl Physics {
             drive,
             fluid,
             friction,
-            cogging: None,
+            cogging: Vec::new(),
             gravity: None,
             spring_nm_rad: 0.0,
             cubic_spring_nm_rad3: 0.0,

@@ -66,6 +66,18 @@ impl Arm {
     }
 }
 
+impl FromStr for Version {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "fixed" => Ok(Self::Fixed),
+            "drawn" => Ok(Self::Drawn),
+            _ => Err(format!("there is no plan `{text}`; there are fixed and drawn")),
+        }
+    }
+}
+
 impl fmt::Display for Arm {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.pad(self.name())
@@ -364,5 +376,33 @@ mod tests {
             assert!(find(id).is_some(), "{id}");
         }
         assert_eq!(Blueprint::of(7 + 3 * plan.len() as u64), plan[7]);
+    }
+
+    #[test]
+    fn a_round_of_the_drawn_plan_has_its_quotas_and_so_has_any_stretch_of_it_nearly() {
+        let count = |seeds: std::ops::Range<u64>, arm: Arm| seeds.filter(|&s| Drawn::of(s).unwrap().arm == arm).count();
+        assert_eq!(QUOTAS.iter().map(|(_, cases)| *cases as u64).sum::<u64>(), ROUND);
+        for (arm, cases) in QUOTAS {
+            assert_eq!(count(0..ROUND, arm), cases, "{arm}");
+            let (few, share) = (count(30_000..30_100, arm), cases as f64 / 4.0);
+            assert!((few as f64 - share).abs() <= 3.0, "{arm}: {few} of {share}");
+        }
+    }
+
+    #[test]
+    fn a_family_in_the_ledger_is_never_scored_again() {
+        let known: Vec<&str> = LEDGER.iter().map(|(family, _)| *family).collect();
+        assert!(known.iter().all(|family| outside::families().contains(family)));
+        for round in 0..200 {
+            let families = families_of(round * ROUND).unwrap();
+            let tuning = round * ROUND < TUNING;
+            assert!(families.iter().all(|family| known.contains(family) == tuning), "{round}: {families:?}");
+            assert_eq!(families, families_of(round * ROUND + 7).unwrap());
+        }
+        assert_ne!(families_of(50 * ROUND).unwrap(), families_of(51 * ROUND).unwrap());
+        // Every kind that was in the fixed plan is of a family in the ledger.
+        for entry in ENTRIES.iter().filter(|entry| !entry.in_vocabulary) {
+            assert!(known.contains(&outside::find(entry.id).unwrap().family), "{}", entry.id);
+        }
     }
 }

@@ -81,8 +81,8 @@ impl Rotor {
         self.steps as f64 * self.step_s
     }
 
-    /// Puts the axis somewhere else at another speed; what the drive, the fluid and the friction remember stays.
-    pub(crate) fn place(&mut self, position_rad: f64, speed_rad_s: f64) {
+    /// Puts the axis somewhere else, rad, at another speed, rad/s; what the drive, the fluid and the friction remember stays.
+    pub fn place(&mut self, position_rad: f64, speed_rad_s: f64) {
         (self.position_rad, self.speed_rad_s) = (position_rad, speed_rad_s);
     }
 
@@ -154,7 +154,7 @@ impl Rotor {
     fn outside_nm(&self, position_rad: f64, t_s: f64) -> f64 {
         let physics = &self.physics;
         let mut torque_nm = -physics.spring_nm_rad * position_rad - physics.cubic_spring_nm_rad3 * position_rad.powi(3);
-        for wave in [&physics.cogging, &physics.ripple].into_iter().flatten() {
+        for wave in physics.cogging.iter().chain(&physics.ripple) {
             torque_nm += wave.at(position_rad);
         }
         if let Some((amplitude, phase)) = physics.gravity {

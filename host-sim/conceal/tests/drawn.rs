@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use conceal::case::{FITTED, HELD_OUT, MACHINE};
 use conceal::drawn::Case;
-use conceal::plan::{Arm, Drawn, ROUND};
+use conceal::plan::{Arm, Drawn};
 
 /// Numbers of every cell that is one, by column.
 fn numbers(csv: &str) -> BTreeMap<String, Vec<f64>> {
@@ -66,4 +66,38 @@ fn any_stretch_of_seeds_has_machines_of_all_kinds_finite_and_the_same_again() {
         let again = Case::draw(case.seed).unwrap();
         assert_eq!((&again.truth, written(&again)), (&case.truth, written(case)));
     }
+}
+
+#[test]
+fn every_kind_outside_and_every_effect_of_the_vocabulary_comes_up_and_runs() {
+    // The kinds of one family after another: what the draws of many rounds meet.
+    let mut seen: BTreeMap<String, usize> = BTreeMap::new();
+    for (index, family) in conceal::outside::families().into_iter().enumerate() {
+        for seed in 0..3 {
+            let blueprint = Drawn { arm: Arm::Outside, effects: 0, decoy: None, families: vec![family] };
+            let case = Case::of(700_000 + 10 * index as u64 + seed, blueprint).unwrap();
+            let [effect] = &case.truth.effects[..] else { panic!("one effect") };
+            assert_eq!(case.truth.machine.as_ref().unwrap().families, [family]);
+            assert!((0.5..=20.0).contains(&effect.size) && !effect.in_vocabulary, "{effect:?}");
+            *seen.entry(effect.id.clone()).or_default() += 1;
+        }
+    }
+    println!("{} of {} kinds: {seen:?}", seen.len(), conceal::outside::KINDS.len());
+    assert!(seen.len() >= 25);
+}
+
+#[test]
+fn the_generator_shares_no_physics_with_the_plant_or_the_tool() {
+    let manifest = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/Cargo.toml")).unwrap();
+    let dependencies = manifest.split("[dependencies]").nth(1).unwrap();
+    let names: BTreeSet<&str> = dependencies
+        .lines()
+        .filter(|line| !line.starts_with(['#', '[']))
+        .filter_map(|line| line.split_once('=').map(|(name, _)| name.trim()))
+        .collect();
+    let allowed =
+        ["er-servo", "rand", "rand_distr", "csv", "serde", "serde_json", "sha2", "rustfft", "thiserror", "tempfile"];
+    assert!(names.iter().all(|name| allowed.contains(name)), "{names:?}");
+    // Of the firmware the control law alone, without its simulated hardware, which has the plant.
+    assert!(dependencies.contains("er-servo = { path = \"../..\" }"));
 }

@@ -204,3 +204,103 @@ fn without_line(path: &[f64]) -> f64 {
 pub(crate) fn product(one: &[Complex<f64>], other: &[Complex<f64>]) -> f64 {
     one.iter().zip(other).map(|(a, b)| a.re * b.re + a.im * b.im).sum()
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::super::motion::Loop;
+    use super::*;
+    use crate::reference::Family;
+    use rand::Rng;
+
+    /// A machine with only viscous friction: nothing about it depends on where it stands.
+    fn viscous(random: &mut StdRng) -> Setting {
+        let mut setting = loop {
+            let setting = Setting::draw(false, random);
+            if setting.measured.is_none() && !setting.has_fluid() && setting.physics.friction.viscous_nm_s_rad > 0.0 {
+                break setting;
+            }
+        };
+        setting.physics.friction.coulomb_nm = 0.0;
+        setting.jitter_s = 0.0;
+        setting
+    }
+
+    fn run(setting: &Setting, physics: &Physics, seed: u64) -> Vec<Sample> {
+        let mut random = StdRng::seed_from_u64(7);
+        let (slower, travel) = (setting.slower, setting.travel);
+        let reference = Family::Steps.draw_rad(2.0 / slower, setting.period_s / slower, &mut random);
+        let reference: Vec<f64> = reference.into_iter().map(|at| travel * at).collect();
+        let run = Loop { setting, physics, coloured: None, gain_error: 1.0, step_s: STEP_S, seed };
+        run.follow(&reference).unwrap()
+    }
+
+    #[test]
+    fn a_constant_torque_under_white_noise_has_the_information_of_the_textbook() {
+        let setting = viscous(&mut StdRng::seed_from_u64(1));
+        let rows = run(&setting, &setting.physics, 1);
+        let noise = Deviations { white: 0.01, coloured: None, sensor: 0.0 };
+        let motion = Motion::new(&setting, &setting.physics, &rows, noise);
+        let mut physics = setting.physics.clone();
+        physics.drive.offset_nm = 1e-3;
+        let column = motion.whitened(&motion.column(&physics));
+        // Rows times the square of torque over deviation; a speed that friction takes back within a row is no part of it.
+        let expected = rows.len() as f64 * 0.01;
+        let found = product(&column, &column);
+        println!("{found} of {expected}");
+        assert!((found / expected - 1.0).abs() < 0.02, "{found} {expected}");
+    }
+
+    /// The log-likelihood of the true machine over that of none, from simulated recordings: half the information on average where the
+    /// effect is there, minus half where it is not, and its variance is the information.
+    #[test]
+    fn the_likelihood_of_the_truth_over_none_is_what_the_information_says() {
+        let mut random = StdRng::seed_from_u64(3);
+        let (mut with, mut without, mut of) = (0.0, 0.0, 0.0);
+        for effect in 0..12 {
+            let mut setting = viscous(&mut random);
+            let quiet = run(&setting, &setting.physics, 1);
+            let torque = (quiet.iter().map(|row| row.drive.powi(2)).sum::<f64>() / quiet.len() as f64).sqrt();
+            setting.physics.torque_noise_nm = 0.02 * torque;
+            setting.physics.sensor.noise_rad = 0.5 * setting.step;
+            let sensor = setting.physics.sensor.noise_rad.hypot(setting.step / 12.0_f64.sqrt());
+            let noise = Deviations { white: 0.02 * torque, coloured: None, sensor };
+            let mut physics = setting.physics.clone();
+            match effect % 3 {
+                0 => physics.drive.gain = 1.002,
+                1 => physics.friction.viscous_nm_s_rad *= 1.05,
+                _ => physics.drive.offset_nm = 1e-3 * torque,
+            }
+            let mut ratio = |truth: &Physics| {
+                let rows = run(&setting, truth, random.random());
+                let (ratio, information) = likelihood_ratio(&setting, &physics, &rows, noise);
+                of += 0.5 * information;
+                ratio / information
+            };
+            with += ratio(&physics);
+            without += ratio(&setting.physics);
+        }
+        println!("per information: with {:.3}, without {:.3}; mean {:.1}", with / 12.0, without / 12.0, of / 12.0);
+        assert!((with / 12.0 - 0.5).abs() < 0.1, "{with}");
+        assert!((without / 12.0 + 0.5).abs() < 0.1, "{without}");
+    }
+
+    /// Of the machine with the effect over the nominal one, on one recording; and its expected size twice.
+    fn likelihood_ratio(setting: &Setting, effect: &Physics, rows: &[Sample], noise: Deviations) -> (f64, f64) {
+        // Neither knows the noise.
+        let known: Vec<Sample> = rows
+            .iter()
+            .map(|row| Sample { command: crate::rotor::Command { external_nm: 0.0, ..row.command }, ..*row })
+            .collect();
+        let motion = Motion::new(setting, &setting.physics, &known, noise);
+        let column = motion.whitened(&motion.column(effect));
+        let per_speed = setting.physics.inertia_kg_m2 / setting.period_s;
+        let next = |k: usize| rows.get(k + 1).map_or(motion.arrives[k], |row| row.speed);
+        let seen = Column {
+            torque: (0..rows.len()).map(|k| per_speed * (next(k) - motion.arrives[k])).collect(),
+            angle: rows.iter().map(|row| row.reading - row.position).collect(),
+        };
+        let information = product(&column, &column);
+        (product(&motion.whitened(&seen), &column) - 0.5 * information, information)
+    }
+}

@@ -8,7 +8,7 @@ use rustfft::num_complex::Complex;
 use super::information::{MATTERS, Motion, TOLD, product};
 use super::setting::Setting;
 use super::vocabulary::{possible, together, values};
-use crate::catalogue::{self, Entry, for_recording};
+use crate::catalogue::{self, Entry, for_recording, on_linear_axis};
 use crate::outside::{Kind, Scales, Shape};
 use crate::physics::Physics;
 use crate::plan::{Arm, Decoy, Drawn, kinds_of};
@@ -293,21 +293,4 @@ impl One {
             parameters: names.zip(self.values.iter().copied()).collect(),
         }
     }
-}
-
-/// A parameter's name with the units of a linear axis (diagnosis.md).
-fn on_linear_axis(name: &str) -> String {
-    const UNITS: [(&str, &str); 8] = [
-        ("_nm_s2_rad2", "_n_s2_m2"),
-        ("_nm_s_rad", "_n_s_m"),
-        ("_nm_rad", "_n_m"),
-        ("_kg_m2", "_kg"),
-        ("velocity_rad_s", "velocity_m_s"),
-        ("gap_rad", "gap_m"),
-        ("size_rad", "size_m"),
-        ("order_per_rev", "order_per_m"),
-    ];
-    let unit = UNITS.iter().find(|(rotary, _)| name.ends_with(rotary));
-    let replaced = unit.map(|(rotary, linear)| name.replace(rotary, linear));
-    replaced.unwrap_or_else(|| if name.ends_with("_nm") { name.replace("_nm", "_n") } else { name.to_owned() })
 }
