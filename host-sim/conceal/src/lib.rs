@@ -22,6 +22,7 @@ mod drive;
 mod fluid;
 mod friction;
 mod machine_file;
+pub mod named;
 pub mod outside;
 pub mod physics;
 pub mod plan;

@@ -99,11 +99,7 @@ impl Case {
             seed,
             blueprint: blueprint.clone(),
             truth: truth(seed, blueprint, &setting, &scales, &chosen, &physics),
-            kept: Kept {
-                step: kept_step(&setting, blueprint),
-                controller: matches!(setting.law, Law::Servo(_)) && blueprint.decoy != Some(Decoy::TwelveBits),
-                torque_noise: measured * physics.torque_noise_nm,
-            },
+            kept: kept(&setting, blueprint, measured * physics.torque_noise_nm),
             gain_error: match blueprint.arm {
                 Arm::Controller => {
                     if random.random_bool(0.5) {
@@ -227,6 +223,13 @@ fn with_noise(setting: &Setting, scales: &Scales) -> (Physics, Option<(f64, f64)
     (physics, noise.coloured.map(|(share, memory_s)| (share * scales.torque, memory_s)))
 }
 
+/// What the log keeps, with noise on a measured torque.
+fn kept(setting: &Setting, blueprint: &Drawn, torque_noise: f64) -> Kept {
+    // A log too coarse to replay the law comes without a controller to check.
+    let controller = matches!(setting.law, Law::Servo(_)) && blueprint.decoy != Some(Decoy::TwelveBits);
+    Kept { step: kept_step(setting, blueprint), controller, torque_noise }
+}
+
 /// Step of the position in the log: where that is to mislead, twelve bits of a turn or of three times the travel.
 fn kept_step(setting: &Setting, blueprint: &Drawn) -> f64 {
     let range = if setting.linear { 1.5 * setting.travel } else { std::f64::consts::TAU };
@@ -264,14 +267,6 @@ fn truth(
     chosen: &Chosen,
     physics: &Physics,
 ) -> Truth {
-    let mut beside = Vec::new();
-    if setting.measured.is_some() {
-        // The torque of the instant stands where a command that is held would: half a row, and what was drawn.
-        beside.extend(["sensor_latency", "torque_delay", "torque_lag"].map(str::to_owned));
-    }
-    if setting.noise.ripple.is_some() {
-        beside.push("cogging".to_owned());
-    }
     let effects: Vec<Concealed> = chosen.effects.iter().map(|one| one.sealed(setting.linear)).collect();
     Truth {
         seed,
@@ -294,7 +289,20 @@ fn truth(
             measured_torque: setting.measured.is_some(),
             skew_s: setting.measured.map_or(0.0, |law| law.skew_s),
             families: chosen.effects.iter().filter_map(|one| one.family()).map(str::to_owned).collect(),
-            beside,
+            beside: beside(setting),
         }),
     }
+}
+
+/// Effects that stand for what belongs to the log or the noise.
+fn beside(setting: &Setting) -> Vec<String> {
+    let mut beside = Vec::new();
+    if setting.measured.is_some() {
+        // The torque of the instant stands where a command that is held would: half a row, and what was drawn.
+        beside.extend(["sensor_latency", "torque_delay", "torque_lag"].map(str::to_owned));
+    }
+    if setting.noise.ripple.is_some() {
+        beside.push("cogging".to_owned());
+    }
+    beside
 }

@@ -2,13 +2,14 @@
 
 use rand::Rng;
 use rand::rngs::StdRng;
-use rand::seq::SliceRandom;
+use rand::seq::{IndexedRandom, SliceRandom};
 use rustfft::num_complex::Complex;
 
 use super::information::{MATTERS, Motion, TOLD, product};
 use super::setting::Setting;
 use super::vocabulary::{possible, together, values};
-use crate::catalogue::{self, Entry, for_recording, on_linear_axis};
+use crate::catalogue::{self, Entry, for_recording};
+use crate::named::on_linear_axis;
 use crate::outside::{Kind, Scales, Shape};
 use crate::physics::Physics;
 use crate::plan::{Arm, Decoy, Drawn, kinds_of};
@@ -131,11 +132,14 @@ impl Search<'_> {
     /// Which effects, so that all can be in this machine together.
     fn sources(&self, blueprint: &Drawn, random: &mut StdRng) -> Option<Vec<Source>> {
         if blueprint.arm == Arm::Outside {
-            let mut kinds = kinds_of(&blueprint.families);
-            kinds.retain(|kind| self.setting.has_fluid() || !kind.needs_fluid);
-            // Drawn by family first: a family of three kinds is no likelier than one of two.
-            let kind = kinds[random.random_range(0..kinds.len().max(1)).min(kinds.len().checked_sub(1)?)];
-            return Some(vec![Source::Outside(kind)]);
+            let possible = |kind: &&'static Kind| self.setting.has_fluid() || !kind.needs_fluid;
+            let kinds: Vec<&'static Kind> = kinds_of(&blueprint.families).into_iter().filter(possible).collect();
+            // By family first: a family of three kinds is no likelier than one of two.
+            let mut families: Vec<&str> = kinds.iter().map(|kind| kind.family).collect();
+            families.dedup();
+            let family = families.choose(random)?;
+            let own: Vec<&'static Kind> = kinds.into_iter().filter(|kind| kind.family == *family).collect();
+            return own.choose(random).map(|&kind| vec![Source::Outside(kind)]);
         }
         let mut ids: Vec<&'static Entry> = self.vocabulary().collect();
         if blueprint.decoy == Some(Decoy::Nominal) {

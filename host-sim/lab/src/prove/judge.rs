@@ -119,6 +119,30 @@ fn confidently_wrong(truth: &Truth, answer: &Answer) -> bool {
     answer.verdict == Verdict::Named && answer.effects.first().is_some_and(|first| !there(truth, &first.id))
 }
 
+/// Whether the answer names nothing by the verdict that is right; of a log with ripple or skew, whose machine misses nothing, nothing
+/// else than these.
+fn abstains(truth: &Truth, answer: &Answer) -> bool {
+    let right = match truth.arm {
+        Arm::Controller => Verdict::Controller,
+        Arm::Removed | Arm::Outside => Verdict::Unknown,
+        _ => Verdict::None,
+    };
+    let only_beside = right == Verdict::None
+        && matches!(answer.verdict, Verdict::Named | Verdict::Partial)
+        && answer.effects.iter().all(|effect| there(truth, &effect.id));
+    answer.verdict == right || only_beside
+}
+
+/// `partial` with a first effect that is not there.
+fn partly_wrong(truth: &Truth, answer: &Answer) -> bool {
+    answer.verdict == Verdict::Partial && answer.effects.first().is_some_and(|first| !there(truth, &first.id))
+}
+
+/// `named` with any effect that is not there.
+fn strays(truth: &Truth, answer: &Answer) -> bool {
+    answer.verdict == Verdict::Named && answer.effects.iter().any(|effect| !there(truth, &effect.id))
+}
+
 /// Smallest size that a drawn case asks to be found, over the detectable one: what is found in half of the cases is asked of none.
 const ASKED: f64 = 2.0;
 
@@ -153,15 +177,6 @@ impl Outcome {
             found.iter().copied().filter(|id| concealed.contains(id) || !there(&truth, id)).collect();
         let hinted = |id: &&str| found.contains(id) || equivalent.iter().any(|other| other == id);
         let nameable = nameable(&truth);
-        let right = match truth.arm {
-            Arm::Controller => Verdict::Controller,
-            Arm::Removed | Arm::Outside => Verdict::Unknown,
-            _ => Verdict::None,
-        };
-        // Of a log with ripple or skew nothing is missing, and its ripple or skew may be told.
-        let only_beside = right == Verdict::None
-            && matches!(answer.verdict, Verdict::Named | Verdict::Partial)
-            && answer.effects.iter().all(|effect| there(&truth, &effect.id));
         let over_floor =
             answer.fit.heldout_after_rms.zip(answer.fit.noise_floor_rms).map(|(after, floor)| after / floor);
         Self {
@@ -170,10 +185,9 @@ impl Outcome {
                 && named.iter().find(|id| own.contains(id.as_str())).is_some_and(|id| concealed.contains(id.as_str())),
             listed: nameable && concealed.iter().all(hinted),
             confidently_wrong: confidently_wrong(&truth, answer),
-            stray: answer.verdict == Verdict::Named && answer.effects.iter().any(|effect| !there(&truth, &effect.id)),
-            partial_wrong: answer.verdict == Verdict::Partial
-                && answer.effects.first().is_some_and(|first| !there(&truth, &first.id)),
-            abstained_right: !nameable && (answer.verdict == right || only_beside),
+            stray: strays(&truth, answer),
+            partial_wrong: partly_wrong(&truth, answer),
+            abstained_right: !nameable && abstains(&truth, answer),
             intervals: truth.effects.iter().flat_map(|effect| intervals(effect, answer)).collect(),
             heldout_over_floor: over_floor.filter(|ratio| ratio.is_finite()),
             heldout_over_oracle: None,

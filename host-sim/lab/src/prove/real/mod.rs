@@ -70,19 +70,7 @@ pub struct RealOutcome {
 /// # Errors
 /// Threads that cannot be started.
 pub fn run(data: &Path, out: &Path, tool: &Tool, asked: &Asked) -> Result<(Vec<RealOutcome>, Vec<String>), Error> {
-    let mut jobs = Vec::new();
-    let mut skipped = Vec::new();
-    for (number, model) in MODELS.iter().enumerate() {
-        if !asked.sets.is_empty() && !asked.sets.iter().any(|set| set == model.folder) {
-            continue;
-        }
-        if !data.join(model.folder).is_dir() {
-            skipped.push(format!("{} skipped: {} is not there", model.name(), data.join(model.folder).display()));
-            continue;
-        }
-        let folds = model.recordings.len().min(asked.folds.unwrap_or(usize::MAX));
-        jobs.extend((0..folds).map(|fold| (number, fold)));
-    }
+    let (jobs, mut skipped) = jobs(data, asked);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(asked.workers).build();
     let pool = pool.map_err(|error| Error::Usage(format!("--workers: {error}")))?;
     let progress = Progress::new("diagnoses", jobs.len() as u64);
@@ -113,6 +101,24 @@ pub fn run(data: &Path, out: &Path, tool: &Tool, asked: &Asked) -> Result<(Vec<R
     Ok((by_model.into_iter().map(outcome).collect(), skipped))
 }
 
+/// Models and the recordings to hold out of each, and why others are left out.
+fn jobs(data: &Path, asked: &Asked) -> (Vec<(usize, usize)>, Vec<String>) {
+    let mut jobs = Vec::new();
+    let mut skipped = Vec::new();
+    for (number, model) in MODELS.iter().enumerate() {
+        if !asked.sets.is_empty() && !asked.sets.iter().any(|set| set == model.folder) {
+            continue;
+        }
+        if !data.join(model.folder).is_dir() {
+            skipped.push(format!("{} skipped: {} is not there", model.name(), data.join(model.folder).display()));
+            continue;
+        }
+        let folds = model.recordings.len().min(asked.folds.unwrap_or(usize::MAX));
+        jobs.extend((0..folds).map(|fold| (number, fold)));
+    }
+    (jobs, skipped)
+}
+
 /// One diagnosis; of an earlier run where that is there.
 fn fold(model: &Model, held_out: usize, data: &Path, out: &Path, tool: &Tool) -> Result<Fold, Error> {
     let file = out.join("outcome.json");
@@ -138,15 +144,8 @@ fn fold(model: &Model, held_out: usize, data: &Path, out: &Path, tool: &Tool) ->
     let started = std::time::Instant::now();
     let answer = tool.ask(out, "answer", &question)?;
     let seconds = started.elapsed().as_secs_f64();
-    let read = |path: &str| Recording::of(Path::new(path), &machine);
-    let recordings: Vec<Recording> = fitted.iter().map(|path| read(path)).collect::<Result<_, _>>()?;
-    let unseen = read(&paths[held_out])?;
     let written = Machine::read(&out.join("improved.toml"))?;
-    let baseline = least_squares::fitted(&machine, &recordings.iter().collect::<Vec<_>>());
-    let left = HORIZONS_S.map(|horizon_s| {
-        [Some(&machine), Some(&written), baseline.as_ref()]
-            .map(|machine| machine.and_then(|machine| Simulated::of(machine).left(&unseen, horizon_s)))
-    });
+    let left = left(&machine, &written, &fitted, &paths[held_out])?;
     let fold = Fold {
         held_out: model.recordings[held_out].to_owned(),
         verdict: answer.verdict,
@@ -158,6 +157,18 @@ fn fold(model: &Model, held_out: usize, data: &Path, out: &Path, tool: &Tool) ->
     let text = serde_json::to_string_pretty(&fold).map_err(|error| Error::Usage(error.to_string()))?;
     output::write_text(&file, &text)?;
     Ok(fold)
+}
+
+/// What the nominal model, the written one and least squares leave on a recording that none was fitted on.
+fn left(machine: &Machine, written: &Machine, fitted: &[&str], held_out: &str) -> Result<[[Option<f64>; 3]; 2], Error> {
+    let read = |path: &str| Recording::of(Path::new(path), machine);
+    let recordings: Vec<Recording> = fitted.iter().map(|path| read(path)).collect::<Result<_, _>>()?;
+    let unseen = read(held_out)?;
+    let baseline = least_squares::fitted(machine, &recordings.iter().collect::<Vec<_>>());
+    Ok(HORIZONS_S.map(|horizon_s| {
+        [Some(machine), Some(written), baseline.as_ref()]
+            .map(|machine| machine.and_then(|machine| Simulated::of(machine).left(&unseen, horizon_s)))
+    }))
 }
 
 /// The estimate of a known parameter; of several orders, the one that is meant.

@@ -1,6 +1,6 @@
 //! Windows of a recording under any model, simulated by the examiner's own physics: neither the plant's nor the tool's.
 
-use conceal::catalogue::put_named;
+use conceal::named::put_named;
 use conceal::physics::{Physics, Wave};
 use conceal::rotor::{Command, Rotor};
 use nalgebra::{Matrix2, Vector2};
