@@ -80,7 +80,7 @@ impl Loop<'_> {
         let mut rows = Vec::with_capacity(reference.len());
         for &wanted in reference {
             let t_s = rotor.now_s();
-            if !(rotor.position_rad().abs() < farthest) {
+            if rotor.position_rad().is_nan() || rotor.position_rad().abs() >= farthest {
                 return Err(Error::Tripped { t_s, faults: "the motion is lost".to_owned() });
             }
             let angle = sensor.sample(rotor.position_rad(), &mut random);

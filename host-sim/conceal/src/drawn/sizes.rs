@@ -118,9 +118,8 @@ fn beyond_each_other(sized: &[Sized]) -> Option<Vec<f64>> {
         for pivot in 0..n - 1 {
             for row in pivot + 1..n {
                 let factor = gram[row][pivot] / gram[pivot][pivot];
-                for column in pivot..n {
-                    gram[row][column] -= factor * gram[pivot][column];
-                }
+                let above = gram[pivot].clone();
+                gram[row].iter_mut().zip(above).for_each(|(cell, above)| *cell -= factor * above);
             }
         }
         shares.push(gram[n - 1][n - 1] / whole);

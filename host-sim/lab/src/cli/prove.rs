@@ -224,7 +224,13 @@ impl Args {
         output::print(&(text::aligned(&real::table(&outcomes)) + &skipped))
     }
 
-    fn prove_followed(&self, settings: &Settings, asked: &Asked, seeds: &[u64], mut outputs: Outputs) -> Result<(), Error> {
+    fn prove_followed(
+        &self,
+        settings: &Settings,
+        asked: &Asked,
+        seeds: &[u64],
+        mut outputs: Outputs,
+    ) -> Result<(), Error> {
         let only = follow::Asked { seeds: seeds.to_vec(), sets: self.set.clone(), changes: self.change.clone() };
         let (outcomes, skipped) = follow::run(&self.data, settings, &only)?;
         let table = follow::table(&outcomes);
