@@ -77,6 +77,7 @@ impl Case {
             effects,
             torque_noise_nm: physics.torque_noise_nm,
             sensor_noise_rad: physics.sensor.noise_rad,
+            machine: None,
             salt: format!("{:032x}", random.random::<u128>()),
         };
         Self { seed, blueprint, truth, physics, config, nominal, random }
@@ -153,7 +154,7 @@ impl Case {
 }
 
 /// Loses a few runs of rows, as a full buffer does.
-fn lose(rows: &mut Vec<Row>, random: &mut StdRng) {
+pub(crate) fn lose<T>(rows: &mut Vec<T>, random: &mut StdRng) {
     for _ in 0..4 {
         let from = random.random_range(1..rows.len().max(200) - 100);
         let many = random.random_range(1..60);
@@ -161,6 +162,6 @@ fn lose(rows: &mut Vec<Row>, random: &mut StdRng) {
     }
 }
 
-fn put(file: &Path, bytes: &[u8]) -> Result<(), Error> {
+pub(crate) fn put(file: &Path, bytes: &[u8]) -> Result<(), Error> {
     std::fs::write(file, bytes).map_err(|error| Error::Write(format!("{}: {error}", file.display())))
 }

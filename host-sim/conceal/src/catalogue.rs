@@ -47,6 +47,16 @@ impl Entry {
         self
     }
 
+    /// Parameter identifiers on a rotary axis.
+    pub(crate) fn parameters(&self) -> &'static [&'static str] {
+        self.parameters
+    }
+
+    /// Puts the effect with these values, in the order of its parameters, into a machine.
+    pub(crate) fn put(&self, physics: &mut Physics, values: &[f64]) {
+        (self.put)(physics, values);
+    }
+
     /// Puts the effect at `size` times its clear size into a machine.
     pub fn conceal(&self, size: f64, physics: &mut Physics, random: &mut StdRng) -> Concealed {
         let values = (self.draw)(size, random);
@@ -197,7 +207,7 @@ pub static ENTRIES: &[Entry] = &[
         "friction_asymmetry",
         &["difference_nm", "viscous_difference_nm_s_rad"],
         |s, r| vec![either(0.4, s, r), 0.0],
-        |p, v| p.friction.difference_nm = v[0],
+        |p, v| (p.friction.difference_nm, p.friction.viscous_difference_nm_s_rad) = (v[0], v[1]),
     ),
     inside(
         "presliding",
@@ -220,7 +230,7 @@ pub static ENTRIES: &[Entry] = &[
         "cogging",
         &["amplitude_nm", "order_per_rev", "phase_rad"],
         |s, r| vec![by(0.3, s, r), one_of(&[6.0, 12.0, 14.0, 24.0, 36.0], r), angle(r)],
-        |p, v| p.cogging = Some(wave(v)),
+        |p, v| p.cogging.push(wave(v)),
     ),
     inside(
         "inertia",

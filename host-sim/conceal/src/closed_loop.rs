@@ -6,12 +6,11 @@ use er_servo::{
 };
 use rand::rngs::StdRng;
 use rand::{Rng, SeedableRng};
-use rand_distr::{Distribution, Normal};
 
 use crate::Error;
-use crate::delay::DeadTime;
-use crate::physics::{Physics, Sensor};
+use crate::physics::Physics;
 use crate::rotor::{Command, Rotor, STEP_S};
+use crate::sensor::{Measured, unit_normal};
 
 /// One control period as the drive logs it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -62,11 +61,11 @@ impl Run<'_> {
         let mut state = State::running_at(Counts::from_rad(shown_rad));
         let mut random = StdRng::seed_from_u64(self.seed);
         let mut rotor = Rotor::new(self.physics, STEP_S);
-        let mut sensor = Measured::new(&self.physics.sensor);
+        let mut sensor = Measured::new(self.physics, STEP_S);
         let mut field_kv_mm = 0.0;
         let mut rows = Vec::with_capacity(reference.len());
         for &reference in reference {
-            let position = sensor.sample(rotor.position_rad(), &mut random);
+            let position = Counts::from_rad(sensor.sample(rotor.position_rad(), &mut random));
             let inputs = Inputs {
                 resolver: ResolverSample {
                     code: ResolverCode((position.0 & 0x0fff) as u16),
@@ -117,43 +116,5 @@ impl Run<'_> {
         let period_s = f64::from(self.config.period_s);
         let jitter_s = if self.jitter_s > 0.0 { random.random_range(-self.jitter_s..self.jitter_s) } else { 0.0 };
         ((period_s + jitter_s) / STEP_S).round().max(1.0) as u64
-    }
-}
-
-fn unit_normal(random: &mut StdRng) -> f64 {
-    Normal::new(0.0, 1.0).map_or(0.0, |normal: Normal<f64>| normal.sample(random))
-}
-
-/// The sensor with what it remembers.
-struct Measured<'a> {
-    law: &'a Sensor,
-    late: DeadTime,
-    last_was_wrong: bool,
-}
-
-impl<'a> Measured<'a> {
-    fn new(law: &'a Sensor) -> Self {
-        Self { law, late: DeadTime::new(law.latency_s, STEP_S, 0.0), last_was_wrong: false }
-    }
-
-    /// Sees the angle at the start of a step.
-    fn watch(&mut self, position_rad: f64) {
-        if self.law.latency_s > 0.0 {
-            self.late.pass(position_rad);
-        }
-    }
-
-    fn sample(&mut self, position_rad: f64, random: &mut StdRng) -> Counts {
-        // The ring last saw the start of the step that ends now: one step late, which a copy makes up for.
-        let seen_rad = if self.law.latency_s > 0.0 { self.late.clone().pass(position_rad) } else { position_rad };
-        let mut angle = seen_rad + self.law.eccentricity.map_or(0.0, |wave| wave.at(seen_rad));
-        if let Some((fraction, size_rad)) = self.law.glitch {
-            let wrong = !self.last_was_wrong && random.random_bool(fraction);
-            if wrong {
-                angle += if random.random_bool(0.5) { size_rad } else { -size_rad };
-            }
-            self.last_was_wrong = wrong;
-        }
-        Counts::from_rad(angle + self.law.noise_rad * unit_normal(random))
     }
 }

@@ -44,7 +44,8 @@ impl Friction {
         }
         let half_nm = 0.5 * law.difference_nm;
         let level_nm = [mean_nm + half_nm, mean_nm - half_nm].map(|level| level.max(0.0));
-        let viscous_nm_s_rad = law.viscous_nm_s_rad + law.quadratic_nm_s2_rad2 * speed_rad_s.abs();
+        let uneven = 0.5 * law.viscous_difference_nm_s_rad * speed_rad_s.signum();
+        let viscous_nm_s_rad = law.viscous_nm_s_rad + uneven + law.quadratic_nm_s2_rad2 * speed_rad_s.abs();
         match law.presliding_nm_rad {
             None => Bounds { level_nm, viscous_nm_s_rad, known_nm: 0.0 },
             Some(stiffness) => {

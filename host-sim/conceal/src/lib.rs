@@ -8,24 +8,31 @@
 //!
 //! Data takes this way: [`plan`] says what a seed is, [`catalogue`] draws effects and their sizes, [`physics`] holds the machine as numbers, [`rotor`]
 //! integrates it, [`closed_loop`] runs the law on it along a [`mod@reference`], [`recording`] writes what the drive would have
-//! logged, [`case`] puts all of that together, and [`seal`] closes the truth away. The same seed gives the same files.
+//! logged, [`case`] puts all of that together, and [`seal`] closes the truth away. The same seed gives the same files. That is the fixed plan: one
+//! machine, lists of effects. In the drawn one [`drawn`] makes machines, logs and noise of any kind, with effects of the vocabulary or
+//! of [`outside`] in sizes of what the motion can tell.
 #![forbid(unsafe_code)]
 
 pub mod case;
 pub mod catalogue;
 pub mod closed_loop;
 mod delay;
+pub mod drawn;
 mod drive;
 mod fluid;
 mod friction;
 mod machine_file;
+pub mod named;
+pub mod outside;
 pub mod physics;
 pub mod plan;
 pub mod recording;
 pub mod reference;
 pub mod rotor;
 pub mod seal;
+mod sensor;
 mod shaft;
+pub mod subject;
 
 pub use rotor::STEP_S;
 
@@ -43,6 +50,17 @@ pub enum Error {
         /// What the law said.
         faults: String,
     },
+    /// No drawn machine runs with the effects of its blueprint.
+    #[error("seed {seed}: none of the drawn machines runs with such effects")]
+    NoMachine {
+        /// The seed.
+        seed: u64,
+    },
+    /// Every family outside the vocabulary was used.
+    #[error(
+        "every family of effects outside the vocabulary was used: new ones are needed before a round can be scored"
+    )]
+    NoFamily,
     /// A file that is no reference.
     #[error("the reference cannot be played: {0}")]
     ReferenceFile(String),

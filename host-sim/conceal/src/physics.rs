@@ -1,4 +1,7 @@
-//! The machine as numbers, with everything that may be concealed in it. SI units, kV/mm for the field.
+//! The machine as numbers, with everything that may be concealed in it. SI units, kV/mm for the field; on a linear axis the
+//! same numbers are m, N and kg.
+
+use crate::outside::Hiding;
 
 /// amplitude sin(order position + phase).
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -97,6 +100,8 @@ pub struct Friction {
     pub stribeck: Option<(f64, f64)>,
     /// Coulomb level forward minus backward, N m.
     pub difference_nm: f64,
+    /// Viscous coefficient forward minus backward, N m s/rad.
+    pub viscous_difference_nm_s_rad: f64,
     /// Bristle stiffness, N m/rad; none for true stiction.
     pub presliding_nm_rad: Option<f64>,
     /// Share of the Coulomb level that varies with the angle.
@@ -155,8 +160,8 @@ pub struct Physics {
     pub fluid: Fluid,
     /// Bearings.
     pub friction: Friction,
-    /// Torque over the angle, N m.
-    pub cogging: Option<Wave>,
+    /// Torques over the angle, N m.
+    pub cogging: Vec<Wave>,
     /// -amplitude sin(position + phase), N m and rad.
     pub gravity: Option<(f64, f64)>,
     /// -k position, N m/rad.
@@ -175,6 +180,10 @@ pub struct Physics {
     pub sensor: Sensor,
     /// Standard deviation of a torque drawn anew each tick, N m.
     pub torque_noise_nm: f64,
+    /// Torque over the angle that belongs to the noise, N m.
+    pub ripple: Option<Wave>,
+    /// An effect outside the vocabulary that is no number of the machine.
+    pub hidden: Option<Hiding>,
 }
 
 impl Physics {
@@ -213,6 +222,7 @@ impl Physics {
             quadratic_nm_s2_rad2: 0.0,
             stribeck: None,
             difference_nm: 0.0,
+            viscous_difference_nm_s_rad: 0.0,
             presliding_nm_rad: None,
             over_position: None,
             ageing: None,
@@ -223,7 +233,7 @@ impl Physics {
             drive,
             fluid,
             friction,
-            cogging: None,
+            cogging: Vec::new(),
             gravity: None,
             spring_nm_rad: 0.0,
             cubic_spring_nm_rad3: 0.0,
@@ -233,6 +243,8 @@ impl Physics {
             load_change: None,
             sensor: Sensor::default(),
             torque_noise_nm: 0.0,
+            ripple: None,
+            hidden: None,
         }
     }
 }

@@ -38,10 +38,15 @@ pub const RICH: [Family; 7] =
 impl Family {
     /// A reference of this family with drawn size and speed: one position a control period, s.
     pub fn draw(self, duration_s: f64, period_s: f64, random: &mut StdRng) -> Vec<Counts> {
+        self.draw_rad(duration_s, period_s, random).into_iter().map(Counts::from_rad).collect()
+    }
+
+    /// As [`Self::draw`], rad.
+    pub fn draw_rad(self, duration_s: f64, period_s: f64, random: &mut StdRng) -> Vec<f64> {
         let scale: f64 = random.random_range(0.8..1.2);
         let rows = (duration_s / period_s).round() as usize;
         let times = (0..rows).map(|row| row as f64 * period_s);
-        let rad: Vec<f64> = match self {
+        match self {
             Self::Steps => {
                 let dwell_s = 0.45 * scale;
                 let levels: Vec<f64> = levels(0.7 * scale, (duration_s / dwell_s) as usize + 1, random);
@@ -61,8 +66,7 @@ impl Family {
             Self::Reversals => times.map(|t| (0.05 + 0.4 * t / duration_s) * triangle(2.4 * scale * t)).collect(),
             Self::Rest => vec![0.0; rows],
             Self::SlowSine => times.map(|t| 0.3 * scale * (TAU * 0.2 * t).sin()).collect(),
-        };
-        rad.into_iter().map(Counts::from_rad).collect()
+        }
     }
 }
 
@@ -97,12 +101,21 @@ fn stops(time: f64) -> f64 {
 /// # Errors
 /// Text that is no such table, or longer than a minute.
 pub fn from_csv(text: &str, period_s: f64) -> Result<Vec<Counts>, Error> {
+    Ok(from_csv_rad(text, period_s)?.into_iter().map(Counts::from_rad).collect())
+}
+
+/// As [`from_csv`], in rad, or in m from a column `reference_m`.
+///
+/// # Errors
+/// As [`from_csv`].
+pub fn from_csv_rad(text: &str, period_s: f64) -> Result<Vec<f64>, Error> {
     let mut reader = csv::Reader::from_reader(text.as_bytes());
     let header = reader.headers()?.clone();
     let column = |name: &str| header.iter().position(|cell| cell.trim() == name);
     let wrong = |message: &str| Error::ReferenceFile(message.to_owned());
-    let (Some(time), Some(position)) = (column("t_s"), column("reference_rad")) else {
-        return Err(wrong("the columns t_s and reference_rad are needed"));
+    let (Some(time), Some(position)) = (column("t_s"), column("reference_rad").or_else(|| column("reference_m")))
+    else {
+        return Err(wrong("the columns t_s and reference_rad, or reference_m, are needed"));
     };
     let mut samples: Vec<(f64, f64)> = Vec::new();
     for row in reader.records() {
@@ -120,7 +133,7 @@ pub fn from_csv(text: &str, period_s: f64) -> Result<Vec<Counts>, Error> {
     let held = |row: usize| {
         let now = first.0 + (row as f64 + 1e-6) * period_s;
         let after = samples.partition_point(|(t, _)| *t <= now);
-        Counts::from_rad(samples[after.max(1) - 1].1)
+        samples[after.max(1) - 1].1
     };
     Ok((0..rows).map(held).collect())
 }

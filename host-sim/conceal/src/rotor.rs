@@ -7,6 +7,7 @@ use std::f64::consts::TAU;
 use crate::drive::Drive;
 use crate::fluid::Fluid;
 use crate::friction::{Friction, Yield};
+use crate::outside::{Hidden, Hiding, Seen};
 use crate::physics::Physics;
 use crate::shaft::Shaft;
 
@@ -31,7 +32,6 @@ pub struct Command {
 }
 
 /// The machine in motion.
-#[derive(Debug, Clone)]
 pub struct Rotor {
     physics: Physics,
     step_s: f64,
@@ -43,6 +43,8 @@ pub struct Rotor {
     friction: Friction,
     preyield: Option<Yield>,
     shaft: Option<Shaft>,
+    hidden: Option<Box<dyn Hidden>>,
+    drive_nm: f64,
 }
 
 impl Rotor {
@@ -58,6 +60,8 @@ impl Rotor {
             friction: Friction::new(&physics.friction, step_s),
             preyield: physics.fluid.preyield_nm_rad.map(Yield::new),
             shaft: physics.shaft.as_ref().map(Shaft::new),
+            hidden: physics.hidden.as_ref().and_then(Hiding::begin),
+            drive_nm: 0.0,
             physics: physics.clone(),
         }
     }
@@ -77,15 +81,43 @@ impl Rotor {
         self.steps as f64 * self.step_s
     }
 
+    /// Puts the axis somewhere else, rad, at another speed, rad/s; what the drive, the fluid and the friction remember stays.
+    pub fn place(&mut self, position_rad: f64, speed_rad_s: f64) {
+        (self.position_rad, self.speed_rad_s) = (position_rad, speed_rad_s);
+    }
+
+    /// Torque that the drive had at the last step, N m.
+    pub fn drive_nm(&self) -> f64 {
+        self.drive_nm
+    }
+
     /// One step under a command.
+    // Over 40 lines: one place after another where the step's impulses come from.
     pub fn step(&mut self, command: &Command) {
         let (h, t_s) = (self.step_s, self.now_s());
         let middle_rad = self.position_rad + 0.5 * h * self.speed_rad_s;
         let inertia = self.inertia_kg_m2(t_s);
-        let drive_nm = self.drive.pass(command.torque_nm);
-        let drag = self.fluid.pass(command, t_s, self.speed_rad_s);
-        let bounds = self.friction.bounds(middle_rad, self.speed_rad_s, drive_nm);
+        let mut command = *command;
+        let mut drive_nm = self.drive.pass(command.torque_nm);
+        let mut seen = Seen { t_s, step_s: h, position: middle_rad, speed: self.speed_rad_s, drive: drive_nm };
+        if let Some(hidden) = &mut self.hidden {
+            drive_nm = hidden.drive(&seen, drive_nm);
+            command.field_kv_mm = hidden.field(command.field_kv_mm);
+            seen.drive = drive_nm;
+        }
+        self.drive_nm = drive_nm;
+        let mut drag = self.fluid.pass(&command, t_s, self.speed_rad_s);
+        let mut bounds = self.friction.bounds(middle_rad, self.speed_rad_s, drive_nm);
         let mut torque_nm = drive_nm + command.external_nm + self.outside_nm(middle_rad, t_s + 0.5 * h);
+        let mut moved = inertia;
+        if let Some(hidden) = &mut self.hidden {
+            drag.level_nm = hidden.drag(&seen, drag.level_nm);
+            let rub = hidden.friction(&seen);
+            bounds.level_nm = bounds.level_nm.map(|level| (level * rub.share + rub.level).max(0.0));
+            bounds.viscous_nm_s_rad += rub.viscous;
+            torque_nm += hidden.torque(&seen);
+            moved *= hidden.inertia(&seen);
+        }
         torque_nm -= bounds.known_nm;
         let [mut forward_nm, mut backward_nm] = bounds.level_nm;
         match &mut self.preyield {
@@ -98,7 +130,6 @@ impl Rotor {
         } else {
             viscous += drag.viscosity_nm_s_rad;
         }
-        let mut moved = inertia;
         if let Some(shaft) = &mut self.shaft {
             torque_nm += shaft.pass(middle_rad, self.speed_rad_s, inertia, h);
             moved *= shaft.motor_share;
@@ -123,7 +154,7 @@ impl Rotor {
     fn outside_nm(&self, position_rad: f64, t_s: f64) -> f64 {
         let physics = &self.physics;
         let mut torque_nm = -physics.spring_nm_rad * position_rad - physics.cubic_spring_nm_rad3 * position_rad.powi(3);
-        if let Some(wave) = &physics.cogging {
+        for wave in physics.cogging.iter().chain(&physics.ripple) {
             torque_nm += wave.at(position_rad);
         }
         if let Some((amplitude, phase)) = physics.gravity {

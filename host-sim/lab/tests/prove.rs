@@ -68,7 +68,17 @@ fn shards_merged_equal_the_whole_and_every_output_is_written() {
         r#"{"verdict": "named", "effects": [{"id": "coulomb_friction", "parameters": [
            {"id": "coulomb_nm", "value": 1.0, "low": 0.4, "high": 1.1, "unit": "N m"}]}]}"#,
     );
-    let seeds = ["--effect", "coulomb_friction", "--arm", "single,removed", "--no-rivals", "--program", &tool];
+    let seeds = [
+        "--plan",
+        "fixed",
+        "--effect",
+        "coulomb_friction",
+        "--arm",
+        "single,removed",
+        "--no-rivals",
+        "--program",
+        &tool,
+    ];
     let run = |out: &str, more: &[&str]| prove(&folder.path().join(out), &[&seeds[..], more].concat());
     let whole = run("whole", &[]);
     run("one", &["--shard", "1/2"]);
@@ -101,7 +111,7 @@ fn what_a_slow_sine_cannot_tell_its_own_experiment_does() {
         let place = plan.iter().position(|case| case.held_kv_mm.is_some() && case.effects == [id]).unwrap();
         let seed = (place + 10 * plan.len()).to_string();
         let folder = tempfile::tempdir().unwrap();
-        prove(folder.path(), &["--case", &seed, "--no-rivals"]);
+        prove(folder.path(), &["--plan", "fixed", "--case", &seed, "--no-rivals"]);
         let file = folder.path().join("outcomes").join(format!("{seed}.json"));
         let outcome: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(file).unwrap()).unwrap();
         println!("{id}, seed {seed}: {} {}, after {}", outcome["verdict"], outcome["equivalent"], outcome["after"]);
@@ -117,6 +127,28 @@ fn cases_are_written_with_their_truth_opened() {
     prove(folder.path(), &["--case", "0", "--write-only", out.to_str().unwrap()]);
     for name in ["machine.toml", "a.csv", "b.csv", "c.csv", "truth.json"] {
         assert!(out.join("clean/0").join(name).exists(), "{name}");
+    }
+}
+
+#[test]
+#[cfg(unix)]
+fn the_drawn_plan_counts_conclusions_apart_and_takes_the_skew_of_a_log_for_no_error() {
+    let folder = tempfile::tempdir().unwrap();
+    let tool = stand_in(folder.path(), r#"{"verdict": "partial", "effects": [{"id": "sensor_latency"}]}"#);
+    let json = folder.path().join("r.json");
+    let flags = ["--arm", "clean,outside", "--count", "40", "--no-rivals", "--program", &tool];
+    prove(folder.path(), &[&flags[..], &["--json", json.to_str().unwrap()]].concat());
+    let results: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(json).unwrap()).unwrap();
+    let outcomes = results["outcomes"].as_array().unwrap();
+    assert!(outcomes.len() > 5, "{}", outcomes.len());
+    for outcome in outcomes {
+        let beside = outcome["truth"]["machine"]["beside"].as_array().unwrap();
+        let skewed = beside.iter().any(|id| id == "sensor_latency");
+        assert_eq!(outcome["partial_wrong"], !skewed, "{}", outcome["truth"]);
+        assert_eq!(outcome["confidently_wrong"], false);
+    }
+    for arm in results["score"]["arms"].as_array().unwrap() {
+        assert_eq!(arm["verdicts"]["partial"], arm["named"]["of"]);
     }
 }
 

@@ -4,10 +4,12 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::time::Duration;
 
-use conceal::plan::{Arm, Blueprint, plan};
+use conceal::plan::{Arm, ROUND, Version, plan};
+use conceal::subject;
 
 use super::Overwrite;
 use crate::output::{Output, Outputs, Provenance, formats};
+use crate::prove::follow::{self, Change};
 use crate::prove::results::{self, Origin, Results};
 use crate::prove::run::{self, Ran, Settings};
 use crate::prove::tool::Tool;
@@ -17,6 +19,9 @@ use crate::{Error, output};
 /// Flags of `prove`.
 #[derive(Debug, clap::Args)]
 pub struct Args {
+    /// How seeds are read: `fixed` has one machine and lists of effects, `drawn` draws machines, effects and sizes.
+    #[arg(long, value_name = "PLAN", default_value = "drawn")]
+    plan: Version,
     /// First seed; below 10000 for tuning, from 20000 for a score.
     #[arg(long, default_value_t = 0)]
     first: u64,
@@ -29,7 +34,7 @@ pub struct Args {
     /// Only these arms; separated by commas.
     #[arg(long, value_delimiter = ',')]
     arm: Vec<Arm>,
-    /// Only cases that conceal one of these effects; separated by commas.
+    /// Only cases that conceal one of these effects, of the fixed plan; separated by commas.
     #[arg(long, value_name = "ID", value_delimiter = ',')]
     effect: Vec<String>,
     /// Only two cases of each arm.
@@ -44,9 +49,22 @@ pub struct Args {
     /// Writes recordings, machine file and truth of the cases into DIR/ARM/SEED, and diagnoses nothing.
     #[arg(long, value_name = "DIR", conflicts_with_all = ["merge", "real"])]
     write_only: Option<PathBuf>,
-    /// Diagnoses the real machines of --data with an effect left out of their model, in place of the plan.
+    /// Diagnoses the real machines of --data with effects left out of their models, in place of the plan.
     #[arg(long, conflicts_with = "merge")]
     real: bool,
+    /// With --real or --follow, only these sets of --data; separated by commas.
+    #[arg(long, value_name = "SET", value_delimiter = ',')]
+    set: Vec<String>,
+    /// With --real, holds out only the first N recordings of each set, one after another.
+    #[arg(long, value_name = "N")]
+    folds: Option<usize>,
+    /// Changes recordings in ways whose effect on the answer is known, and asks whether the answer follows: real ones, and with
+    /// --count simulated ones.
+    #[arg(long, conflicts_with_all = ["merge", "real", "write_only"])]
+    follow: bool,
+    /// With --follow, only these changes; separated by commas.
+    #[arg(long, value_enum, value_name = "CHANGE", value_delimiter = ',')]
+    change: Vec<Change>,
     /// Folder of the real recordings.
     #[arg(long, value_name = "DIR", default_value = "../shared/data")]
     data: PathBuf,
@@ -100,18 +118,27 @@ pub fn run(args: &Args) -> Result<(), Error> {
     if let Some(folder) = &args.write_only {
         let seeds = args.seeds()?;
         let mut files = args.overwrite.files();
-        let label = folder::of_cases(&mut files, folder, &seeds);
+        let mut cases = Vec::new();
+        for seed in &seeds {
+            cases.push((args.arm(*seed)?.0, *seed));
+        }
+        let label = folder::of_cases(&mut files, folder, &cases);
         folder::claim(&mut files.check()?, label)?;
-        run::write_only(&seeds, folder)?;
+        run::write_only(&seeds, args.plan, folder)?;
         return output::print(&format!("{} cases written, {}/ARM/SEED each\n", seeds.len(), folder.display()));
     }
     let (asked, mut outputs) = args.files()?;
     let settings = args.settings()?;
     // Flags that leave no case are known before a folder is made.
-    let seeds = if args.real || !args.merge.is_empty() { Vec::new() } else { args.seeds()? };
+    let drawn_none = args.follow && args.count.is_none() && args.case.is_none();
+    let none = args.real || drawn_none || !args.merge.is_empty();
+    let seeds = if none { Vec::new() } else { args.seeds()? };
     asked.folder.map_or(Ok(()), |label| folder::claim(&mut outputs, label))?;
     if args.real {
         return args.prove_real(&settings, &asked, outputs);
+    }
+    if args.follow {
+        return args.prove_followed(&settings, &asked, &seeds, outputs);
     }
     let ran = if args.merge.is_empty() { prove(&seeds, &settings)? } else { run::merged(&args.merge)? };
     let score = Score::of(&ran);
@@ -164,6 +191,7 @@ impl Args {
         let unknown = |error: std::io::Error| Error::Usage(format!("--program: {error}"));
         let named = self.program.as_ref().map(|program| program.canonicalize().map_err(unknown));
         Ok(Settings {
+            plan: self.plan,
             out: self.out.clone(),
             tool: Tool {
                 // It runs in other folders.
@@ -179,14 +207,16 @@ impl Args {
     }
 
     fn prove_real(&self, settings: &Settings, asked: &Asked, mut outputs: Outputs) -> Result<(), Error> {
-        let (outcomes, skipped) = real::run(&self.data, &settings.out, &settings.tool);
+        let only = real::Asked { sets: self.set.clone(), folds: self.folds, workers: settings.workers };
+        let (outcomes, skipped) = real::run(&self.data, &settings.out, &settings.tool, &only)?;
         if let Some(json) = asked.json {
             let content = serde_json::json!({ "outcomes": outcomes, "skipped": skipped });
             let text = formats::json(&content, &Provenance::of(&outputs, None)?)?;
             output::text(&mut outputs, json, &text)?;
         }
         if let Some(results) = asked.results {
-            let document = results::real_document(&outcomes, &skipped);
+            let table = real::table(&outcomes);
+            let document = results::table_document("Real machines with known effects hidden", &table, &skipped);
             output::text(&mut outputs, results, &formats::markdown(&document))?;
         }
         outputs.finish()?;
@@ -194,15 +224,50 @@ impl Args {
         output::print(&(text::aligned(&real::table(&outcomes)) + &skipped))
     }
 
+    fn prove_followed(
+        &self,
+        settings: &Settings,
+        asked: &Asked,
+        seeds: &[u64],
+        mut outputs: Outputs,
+    ) -> Result<(), Error> {
+        let only = follow::Asked { seeds: seeds.to_vec(), sets: self.set.clone(), changes: self.change.clone() };
+        let (outcomes, skipped) = follow::run(&self.data, settings, &only)?;
+        let table = follow::table(&outcomes);
+        if let Some(json) = asked.json {
+            let content = serde_json::json!({ "outcomes": outcomes, "skipped": skipped });
+            let text = formats::json(&content, &Provenance::of(&outputs, None)?)?;
+            output::text(&mut outputs, json, &text)?;
+        }
+        if let Some(file) = asked.results {
+            let document = results::table_document("Answers that must follow", &table, &skipped);
+            output::text(&mut outputs, file, &formats::markdown(&document))?;
+        }
+        outputs.finish()?;
+        let skipped: String = skipped.iter().map(|line| format!("{line}\n")).collect();
+        output::print(&(text::aligned(&table) + &follow::summary(&outcomes) + &skipped))
+    }
+
     fn seeds(&self) -> Result<Vec<u64>, Error> {
         if let Some(seed) = self.case {
             return Ok(vec![seed]);
         }
-        let count = self.count.unwrap_or(plan().len() as u64);
-        let mut seeds: Vec<u64> =
-            (self.first..self.first.saturating_add(count)).filter(|seed| self.asks(*seed)).collect();
+        let round = match self.plan {
+            Version::Fixed => plan().len() as u64,
+            Version::Drawn => ROUND,
+        };
+        let mut seeds = Vec::new();
+        for seed in self.first..self.first.saturating_add(self.count.unwrap_or(round)) {
+            let (arm, effects) = self.arm(seed)?;
+            let wanted = |id: &&str| self.effect.iter().any(|wanted| wanted == id);
+            if (self.arm.is_empty() || self.arm.contains(&arm))
+                && (self.effect.is_empty() || effects.iter().any(wanted))
+            {
+                seeds.push(seed);
+            }
+        }
         if self.quick {
-            seeds = two_of_each_arm(&seeds);
+            seeds = self.two_of_each_arm(&seeds)?;
         }
         let (share, shares) = self.shard.unwrap_or((1, 1));
         seeds.retain(|seed| seed % shares == share - 1);
@@ -212,29 +277,28 @@ impl Args {
         Ok(seeds)
     }
 
-    fn asks(&self, seed: u64) -> bool {
-        let blueprint = Blueprint::of(seed);
-        let arm = self.arm.is_empty() || self.arm.contains(&blueprint.arm);
-        arm && (self.effect.is_empty()
-            || blueprint.effects.iter().any(|id| self.effect.iter().any(|wanted| wanted == id)))
+    fn arm(&self, seed: u64) -> Result<(Arm, Vec<&'static str>), Error> {
+        subject::arm(self.plan, seed).map_err(|error| Error::Usage(error.to_string()))
+    }
+
+    /// The first case of each arm and the one in the middle, by seed.
+    fn two_of_each_arm(&self, seeds: &[u64]) -> Result<Vec<u64>, Error> {
+        let mut by_arm: BTreeMap<Arm, Vec<u64>> = BTreeMap::new();
+        for &seed in seeds {
+            by_arm.entry(self.arm(seed)?.0).or_default().push(seed);
+        }
+        let mut chosen: Vec<u64> = by_arm.values().flat_map(|seeds| [seeds[0], seeds[seeds.len() / 2]]).collect();
+        chosen.sort_unstable();
+        chosen.dedup();
+        Ok(chosen)
     }
 }
 
 /// Seals the cases, then runs them.
 fn prove(seeds: &[u64], settings: &Settings) -> Result<Ran, Error> {
-    let hash = run::seal(seeds, settings)?;
-    output::print(&format!("{} cases, sealed: SHA-256 {hash} of sealed/SHA256SUMS\n\n", seeds.len()))?;
-    run::run(seeds, settings)
-}
-
-/// The first case of each arm and the one in the middle, by seed.
-fn two_of_each_arm(seeds: &[u64]) -> Vec<u64> {
-    let mut by_arm: BTreeMap<Arm, Vec<u64>> = BTreeMap::new();
-    for &seed in seeds {
-        by_arm.entry(Blueprint::of(seed).arm).or_default().push(seed);
-    }
-    let mut chosen: Vec<u64> = by_arm.values().flat_map(|seeds| [seeds[0], seeds[seeds.len() / 2]]).collect();
-    chosen.sort_unstable();
-    chosen.dedup();
-    chosen
+    let (cases, failures, hash) = run::seal(seeds, settings)?;
+    output::print(&format!("{} cases, sealed: SHA-256 {hash} of sealed/SHA256SUMS\n\n", cases.len()))?;
+    let mut ran = run::run(&cases, settings)?;
+    ran.failures.extend(failures);
+    Ok(ran)
 }

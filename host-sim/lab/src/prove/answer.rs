@@ -10,6 +10,8 @@ pub enum Verdict {
     None,
     /// This is it.
     Named,
+    /// These are certain, and something predictable is left.
+    Partial,
     /// The data cannot choose.
     Ambiguous,
     /// Something outside the vocabulary.
@@ -24,6 +26,7 @@ impl Verdict {
         match self {
             Self::None => "none",
             Self::Named => "named",
+            Self::Partial => "partial",
             Self::Ambiguous => "ambiguous",
             Self::Unknown => "unknown",
             Self::Controller => "controller",

@@ -8,7 +8,7 @@ use conceal::plan::Arm;
 use conceal::seal::{Concealed, Truth};
 use serde::{Deserialize, Serialize};
 
-use super::answer::{Answer, Named, Verdict};
+use super::answer::{Answer, Verdict};
 
 /// One parameter of a rightly named effect.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -70,8 +70,14 @@ pub struct Outcome {
     pub first_right: bool,
     /// Every concealed effect is named or listed as equivalent.
     pub listed: bool,
-    /// A plain `named` for something that was not concealed, and not even a hint of what was.
+    /// `named`, and its first effect is not there.
     pub confidently_wrong: bool,
+    /// `named`, and any of its effects is not there.
+    #[serde(default)]
+    pub stray: bool,
+    /// `partial`, and its first effect is not there.
+    #[serde(default)]
+    pub partial_wrong: bool,
     /// The answer was to abstain (`none`, `unknown`, `controller`), and so it did.
     pub abstained_right: bool,
     /// Of rightly named effects.
@@ -101,13 +107,48 @@ fn concealed(truth: &Truth) -> BTreeSet<&str> {
     truth.effects.iter().map(|effect| effect.id.as_str()).collect()
 }
 
-/// A plain `named` with an effect that is not there, and that is not offered as one way to say what is there.
+/// What an answer may name without being wrong: what was concealed, and what stands for the log or the noise of a drawn machine.
+/// Under a name that was taken out, or never was, nothing is.
+fn there(truth: &Truth, id: &str) -> bool {
+    let beside = || truth.machine.iter().flat_map(|machine| &machine.beside).any(|other| other == id);
+    nameable(truth) && concealed(truth).contains(id) || beside()
+}
+
+/// `named` with a first effect that is not there.
 fn confidently_wrong(truth: &Truth, answer: &Answer) -> bool {
-    let concealed = concealed(truth);
-    let hints = |effect: &Named| effect.equivalent.iter().any(|other| concealed.contains(other.as_str()));
-    let stray = |effect: &Named| !concealed.contains(effect.id.as_str()) && !hints(effect);
-    let wrong = if nameable(truth) { answer.effects.iter().any(stray) } else { !answer.effects.is_empty() };
-    answer.verdict == Verdict::Named && wrong
+    answer.verdict == Verdict::Named && answer.effects.first().is_some_and(|first| !there(truth, &first.id))
+}
+
+/// Whether the answer names nothing by the verdict that is right; of a log with ripple or skew, whose machine misses nothing, nothing
+/// else than these.
+fn abstains(truth: &Truth, answer: &Answer) -> bool {
+    let right = match truth.arm {
+        Arm::Controller => Verdict::Controller,
+        Arm::Removed | Arm::Outside => Verdict::Unknown,
+        _ => Verdict::None,
+    };
+    let only_beside = right == Verdict::None
+        && matches!(answer.verdict, Verdict::Named | Verdict::Partial)
+        && answer.effects.iter().all(|effect| there(truth, &effect.id));
+    answer.verdict == right || only_beside
+}
+
+/// `partial` with a first effect that is not there.
+fn partly_wrong(truth: &Truth, answer: &Answer) -> bool {
+    answer.verdict == Verdict::Partial && answer.effects.first().is_some_and(|first| !there(truth, &first.id))
+}
+
+/// `named` with any effect that is not there.
+fn strays(truth: &Truth, answer: &Answer) -> bool {
+    answer.verdict == Verdict::Named && answer.effects.iter().any(|effect| !there(truth, &effect.id))
+}
+
+/// Smallest size that a drawn case asks to be found, over the detectable one: what is found in half of the cases is asked of none.
+const ASKED: f64 = 2.0;
+
+/// Whether all that is concealed is large enough to be asked for. The fixed plan has no detectable sizes: of it all is asked.
+pub fn asked(truth: &Truth) -> bool {
+    truth.machine.is_none() || truth.effects.iter().all(|effect| effect.size >= ASKED)
 }
 
 fn names(answer: &Answer) -> Vec<String> {
@@ -131,21 +172,22 @@ impl Outcome {
         let equivalent: Vec<String> = answer.effects.iter().flat_map(|effect| effect.equivalent.clone()).collect();
         let concealed = concealed(&truth);
         let found: BTreeSet<&str> = named.iter().map(String::as_str).collect();
+        // What belongs to the log is no effect of the machine, concealed or not.
+        let own: BTreeSet<&str> =
+            found.iter().copied().filter(|id| concealed.contains(id) || !there(&truth, id)).collect();
         let hinted = |id: &&str| found.contains(id) || equivalent.iter().any(|other| other == id);
         let nameable = nameable(&truth);
-        let right = match truth.arm {
-            Arm::Controller => Verdict::Controller,
-            Arm::Removed | Arm::Outside => Verdict::Unknown,
-            _ => Verdict::None,
-        };
         let over_floor =
             answer.fit.heldout_after_rms.zip(answer.fit.noise_floor_rms).map(|(after, floor)| after / floor);
         Self {
-            exact: nameable && concealed == found,
-            first_right: nameable && named.first().is_some_and(|id| concealed.contains(id.as_str())),
+            exact: nameable && concealed == own,
+            first_right: nameable
+                && named.iter().find(|id| own.contains(id.as_str())).is_some_and(|id| concealed.contains(id.as_str())),
             listed: nameable && concealed.iter().all(hinted),
             confidently_wrong: confidently_wrong(&truth, answer),
-            abstained_right: !nameable && answer.verdict == right,
+            stray: strays(&truth, answer),
+            partial_wrong: partly_wrong(&truth, answer),
+            abstained_right: !nameable && abstains(&truth, answer),
             intervals: truth.effects.iter().flat_map(|effect| intervals(effect, answer)).collect(),
             heldout_over_floor: over_floor.filter(|ratio| ratio.is_finite()),
             heldout_over_oracle: None,
@@ -180,7 +222,7 @@ impl Outcome {
 
     /// Whether it named anything, by whatever verdict that offers names.
     pub fn offers_names(&self) -> bool {
-        matches!(self.verdict, Verdict::Named | Verdict::Ambiguous) && !self.named.is_empty()
+        matches!(self.verdict, Verdict::Named | Verdict::Partial | Verdict::Ambiguous) && !self.named.is_empty()
     }
 
     /// What was concealed, in words.
@@ -295,11 +337,13 @@ mod tests {
     }
 
     #[test]
-    fn a_wrong_name_is_confident_unless_the_truth_is_offered_beside_it() {
+    fn a_wrong_first_name_is_confident_where_it_is_named_and_counts_apart_where_it_is_partial() {
         let wrong = judged(Arm::Single, "inertia", &[], &answer("named", "torque_gain", ""));
         assert!(wrong.confidently_wrong && !wrong.listed && !wrong.is_right());
         let hedged = judged(Arm::Single, "inertia", &[], &answer("named", "torque_gain", "\"inertia\""));
-        assert!(!hedged.confidently_wrong && hedged.listed && !hedged.first_right);
+        assert!(hedged.confidently_wrong && hedged.listed && !hedged.first_right);
+        let partial = judged(Arm::Single, "inertia", &[], &answer("partial", "torque_gain", ""));
+        assert!(!partial.confidently_wrong && partial.partial_wrong && !partial.is_right());
         let ambiguous = judged(Arm::Single, "inertia", &[], &answer("ambiguous", "torque_gain", "\"inertia\""));
         assert!(!ambiguous.confidently_wrong && !ambiguous.is_right());
         assert!(judged(Arm::Poor, "inertia", &[], &answer("ambiguous", "torque_gain", "\"inertia\"")).is_right());

@@ -5,6 +5,7 @@
 
 pub mod answer;
 pub mod folder;
+pub mod follow;
 pub mod judge;
 pub mod page;
 pub mod power;

@@ -29,6 +29,7 @@ pub fn page(results: &Results, made: &Provenance) -> Result<String, Error> {
     );
     body += &section("Pass line", &table(&text::pass(score)));
     body += &section("Arms", &table(&text::arms(score)));
+    body += &section("Conclusions", &table(&text::verdicts(score)));
     body += &section("Power: how large an effect must be to be found", &power(results)?);
     body += &section("Reliability of the intervals", &reliability(results)?);
     body += &section("Before and after the proposed experiment", &table(&text::experiment(score)));

@@ -1,5 +1,5 @@
 //! How large an effect must be to be found: a logistic curve over the logarithm of its strength, in the unit of its
-//! leading parameter.
+//! leading parameter; on drawn machines, whose units differ, in multiples of the detectable size.
 
 use std::collections::BTreeMap;
 
@@ -93,19 +93,27 @@ fn chance(logit: f64) -> f64 {
 
 /// The curves of every effect that was concealed alone.
 pub fn curves(outcomes: &[Outcome]) -> Vec<Curve> {
-    let mut by_effect: BTreeMap<&str, Vec<Point>> = BTreeMap::new();
+    let mut by_effect: BTreeMap<(&str, bool), Vec<Point>> = BTreeMap::new();
     for outcome in outcomes.iter().filter(|outcome| outcome.arm() == Arm::Single) {
         if let [effect] = &outcome.truth.effects[..] {
-            let (seed, strength) = (outcome.truth.seed, effect.strength);
-            by_effect.entry(&effect.id).or_default().push(Point { seed, strength, found: outcome.first_right });
+            let drawn = outcome.truth.machine.is_some();
+            let (seed, strength) = (outcome.truth.seed, if drawn { effect.size } else { effect.strength });
+            by_effect.entry((&effect.id, drawn)).or_default().push(Point {
+                seed,
+                strength,
+                found: outcome.first_right,
+            });
         }
     }
-    by_effect.into_iter().filter_map(|(id, points)| curve(id, points)).collect()
+    by_effect.into_iter().filter_map(|((id, drawn), points)| curve(id, points, drawn)).collect()
 }
 
-fn curve(id: &str, mut points: Vec<Point>) -> Option<Curve> {
+/// What the strength of an effect on a drawn machine is counted in.
+const MULTIPLES: (&str, Option<f64>) = ("times the detectable size", Some(0.0));
+
+fn curve(id: &str, mut points: Vec<Point>, drawn: bool) -> Option<Curve> {
     points.sort_by(|a, b| a.strength.total_cmp(&b.strength));
-    let (parameter, origin) = catalogue::find(id)?.leading();
+    let (parameter, origin) = if drawn { MULTIPLES } else { catalogue::find(id)?.leading() };
     let centre = points.iter().map(|point| point.strength.ln()).sum::<f64>() / points.len() as f64;
     let (fitted, covariance) = fit(&points, centre)?;
     let size = |logit: f64| {
@@ -163,7 +171,7 @@ mod tests {
 
     #[test]
     fn half_of_the_cases_are_found_where_the_step_is() {
-        let curve = curve("coulomb_friction", points(|strength| strength > 0.1)).unwrap();
+        let curve = curve("coulomb_friction", points(|strength| strength > 0.1), false).unwrap();
         assert!((curve.at_50.value - 0.1).abs() < 0.03, "{:?}", curve.at_50);
         assert!(curve.at_50.low < curve.at_50.value && curve.at_50.value < curve.at_50.high);
         assert!(curve.at_90.value > curve.at_50.value && (curve.chance(curve.at_50.value) - 0.5).abs() < 1e-6);
@@ -173,9 +181,9 @@ mod tests {
 
     #[test]
     fn what_is_always_or_never_found_lies_outside_what_was_tried() {
-        let always = curve("compliance", points(|_| true)).unwrap();
+        let always = curve("compliance", points(|_| true), false).unwrap();
         assert!(always.size_words(&always.at_50).starts_with("weaker than tried (100"), "{:?}", always.at_50);
-        let never = curve("compliance", points(|_| false)).unwrap();
+        let never = curve("compliance", points(|_| false), false).unwrap();
         assert!(never.size_words(&never.at_50).starts_with("stronger than tried"), "{:?}", never.at_50);
     }
 }

@@ -5,9 +5,8 @@ use std::process::Command;
 
 use serde::{Deserialize, Serialize};
 
-use super::real::{self, RealOutcome};
 use super::run::Ran;
-use super::text::{self, markdown};
+use super::text::{self, Table, markdown};
 use super::{Outcome, Score};
 use crate::Error;
 
@@ -77,6 +76,7 @@ pub fn document(results: &Results) -> String {
     for (title, table) in [
         ("Pass line", text::pass(score)),
         ("Arms", text::arms(score)),
+        ("Conclusions", text::verdicts(score)),
         ("Detectable sizes", text::power(score)),
         ("Before and after the proposed experiment", text::experiment(score)),
         ("Rivals on the same files", text::rivals(score)),
@@ -91,10 +91,10 @@ pub fn document(results: &Results) -> String {
     text
 }
 
-/// The real machines as Markdown, with the reasons where there is no answer.
-pub fn real_document(outcomes: &[RealOutcome], without: &[String]) -> String {
+/// One table as Markdown, with the reasons where there is no answer.
+pub fn table_document(title: &str, table: &Table, without: &[String]) -> String {
     let words: Vec<String> = std::env::args().skip(1).collect();
-    let table = markdown(&real::table(outcomes));
+    let table = markdown(table);
     let without: String = without.iter().map(|line| format!("\n{line}\n")).collect();
-    format!("# Real machines with an effect concealed\n\nMade by `servo-lab {}`.\n\n{table}{without}", words.join(" "))
+    format!("# {title}\n\nMade by `servo-lab {}`.\n\n{table}{without}", words.join(" "))
 }

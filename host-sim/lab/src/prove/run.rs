@@ -3,8 +3,9 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use conceal::case::{Case, EXPERIMENT, FITTED, HELD_OUT, MACHINE};
-use conceal::plan::Arm;
+use conceal::case::{EXPERIMENT, FITTED, HELD_OUT, MACHINE};
+use conceal::plan::{Arm, Version};
+use conceal::subject::Subject;
 use rayon::prelude::*;
 
 use super::judge::{After, nameable};
@@ -16,6 +17,8 @@ use crate::{Error, output};
 /// How to run.
 #[derive(Debug, Clone)]
 pub struct Settings {
+    /// How seeds are read.
+    pub plan: Version,
     /// Folder of cases, seals and outcomes.
     pub out: PathBuf,
     /// The tool under test.
@@ -39,25 +42,39 @@ pub struct Ran {
     pub failures: Vec<(u64, String)>,
 }
 
-/// Writes the seals of the cases; gives the hash over all of them, which commits to every truth.
+/// Writes the seals of the cases; gives the cases, and the hash over all seals, which commits to every truth. A seed that gives no
+/// case is among the failures.
 ///
 /// # Errors
 /// A file that cannot be written.
-pub fn seal(seeds: &[u64], settings: &Settings) -> Result<String, Error> {
+pub fn seal(seeds: &[u64], settings: &Settings) -> Result<(Vec<Subject>, Vec<(u64, String)>, String), Error> {
     let folder = settings.out.join("sealed");
     output::folder(&folder)?;
-    let mut hashes = String::new();
-    for &seed in seeds {
-        let (text, hash) = sealed(&Case::draw(seed))?;
-        output::write_text(&folder.join(format!("{seed}.json")), &text)?;
-        hashes.push_str(&format!("{hash}  {seed}.json\n"));
+    let draw = |&seed: &u64| Subject::draw(settings.plan, seed).map_err(|error| (seed, error.to_string()));
+    let drawn: Vec<_> = pool(settings)?.install(|| seeds.par_iter().with_max_len(1).map(draw).collect());
+    let (mut cases, mut failures, mut hashes) = (Vec::new(), Vec::new(), String::new());
+    for case in drawn {
+        match case {
+            Ok(case) => {
+                let (text, hash) = sealed(&case)?;
+                output::write_text(&folder.join(format!("{}.json", case.seed())), &text)?;
+                hashes.push_str(&format!("{hash}  {}.json\n", case.seed()));
+                cases.push(case);
+            }
+            Err(failure) => failures.push(failure),
+        }
     }
     output::write_text(&folder.join("SHA256SUMS"), &hashes)?;
-    Ok(conceal::seal::hash(hashes.as_bytes()))
+    Ok((cases, failures, conceal::seal::hash(hashes.as_bytes())))
 }
 
-fn sealed(case: &Case) -> Result<(String, String), Error> {
-    case.truth.seal().map_err(|error| of_seed(case.seed, &error))
+fn pool(settings: &Settings) -> Result<rayon::ThreadPool, Error> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(settings.workers).build();
+    pool.map_err(|error| Error::Usage(format!("--workers: {error}")))
+}
+
+fn sealed(case: &Subject) -> Result<(String, String), Error> {
+    case.truth().seal().map_err(|error| of_seed(case.seed(), &error))
 }
 
 fn of_seed(seed: u64, error: &conceal::Error) -> Error {
@@ -68,11 +85,11 @@ fn of_seed(seed: u64, error: &conceal::Error) -> Error {
 ///
 /// # Errors
 /// A drive that trips, a file that cannot be written.
-pub fn write_only(seeds: &[u64], out: &Path) -> Result<(), Error> {
+pub fn write_only(seeds: &[u64], plan: Version, out: &Path) -> Result<(), Error> {
     let progress = Progress::new("cases", seeds.len() as u64);
     for &seed in seeds {
-        let case = Case::draw(seed);
-        let folder = folder::case(out, seed);
+        let case = Subject::draw(plan, seed).map_err(|error| of_seed(seed, &error))?;
+        let folder = folder::case(out, case.truth().arm, seed);
         output::folder(&folder)?;
         case.write(&folder).map_err(|error| of_seed(seed, &error))?;
         output::write_text(&folder.join("truth.json"), &sealed(&case)?.0)?;
@@ -85,19 +102,17 @@ pub fn write_only(seeds: &[u64], out: &Path) -> Result<(), Error> {
 ///
 /// # Errors
 /// A folder that cannot be made, threads that cannot be started.
-pub fn run(seeds: &[u64], settings: &Settings) -> Result<Ran, Error> {
+pub fn run(cases: &[Subject], settings: &Settings) -> Result<Ran, Error> {
     output::folder(&settings.out.join("outcomes"))?;
     output::folder(&settings.out.join("failures"))?;
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(settings.workers).build();
-    let pool = pool.map_err(|error| Error::Usage(format!("--workers: {error}")))?;
-    let progress = Progress::new("cases", seeds.len() as u64);
-    let one = |&seed: &u64| {
-        let outcome = resumed(seed, settings).map_or_else(|| recorded(seed, settings), Ok);
+    let progress = Progress::new("cases", cases.len() as u64);
+    let one = |case: &Subject| {
+        let outcome = resumed(case, settings).map_or_else(|| recorded(case, settings), Ok);
         progress.advance(1);
-        outcome.map_err(|error| (seed, error.to_string()))
+        outcome.map_err(|error| (case.seed(), error.to_string()))
     };
-    // One seed at a time to each worker: they take very unequal times.
-    let results: Vec<_> = pool.install(|| seeds.par_iter().with_max_len(1).map(one).collect());
+    // One case at a time to each worker: they take very unequal times.
+    let results: Vec<_> = pool(settings)?.install(|| cases.par_iter().with_max_len(1).map(one).collect());
     let mut ran = Ran::default();
     for result in results {
         match result {
@@ -109,9 +124,9 @@ pub fn run(seeds: &[u64], settings: &Settings) -> Result<Ran, Error> {
 }
 
 /// The outcome of an earlier run, if it is of the same truth.
-fn resumed(seed: u64, settings: &Settings) -> Option<Outcome> {
-    let outcome: Outcome = read_json(&outcome_file(seed, settings)).ok()?;
-    (outcome.hash == sealed(&Case::draw(seed)).ok()?.1).then_some(outcome)
+fn resumed(case: &Subject, settings: &Settings) -> Option<Outcome> {
+    let outcome: Outcome = read_json(&outcome_file(case.seed(), settings)).ok()?;
+    (outcome.hash == sealed(case).ok()?.1).then_some(outcome)
 }
 
 fn outcome_file(seed: u64, settings: &Settings) -> PathBuf {
@@ -119,9 +134,10 @@ fn outcome_file(seed: u64, settings: &Settings) -> PathBuf {
 }
 
 /// Runs a case and writes what came of it, so that a merge and a later run find it.
-fn recorded(seed: u64, settings: &Settings) -> Result<Outcome, Error> {
+fn recorded(subject: &Subject, settings: &Settings) -> Result<Outcome, Error> {
+    let seed = subject.seed();
     let failure = settings.out.join("failures").join(format!("{seed}.txt"));
-    match case(seed, settings) {
+    match case(subject, settings) {
         Ok(outcome) => {
             let text = serde_json::to_string_pretty(&outcome).map_err(|error| Error::Usage(error.to_string()))?;
             output::write_text(&outcome_file(seed, settings), &text)?;
@@ -136,15 +152,15 @@ fn recorded(seed: u64, settings: &Settings) -> Result<Outcome, Error> {
     }
 }
 
-fn case(seed: u64, settings: &Settings) -> Result<Outcome, Error> {
-    let case = Case::draw(seed);
-    let (_, hash) = sealed(&case)?;
+fn case(case: &Subject, settings: &Settings) -> Result<Outcome, Error> {
+    let (_, hash) = sealed(case)?;
+    let (seed, truth) = (case.seed(), case.truth());
     let folder = settings.out.join("cases").join(seed.to_string());
     let is_kept = settings.keep || folder.exists();
     output::folder(&folder)?;
     case.write(&folder).map_err(|error| of_seed(seed, &error))?;
-    let effects = &case.blueprint.effects;
-    let removed = if case.truth.arm == Arm::Removed { effects.clone() } else { Vec::new() };
+    let effects = case.effects();
+    let removed = if truth.arm == Arm::Removed { effects.clone() } else { Vec::new() };
     let question = Question {
         machine: MACHINE,
         recordings: FITTED.to_vec(),
@@ -154,16 +170,16 @@ fn case(seed: u64, settings: &Settings) -> Result<Outcome, Error> {
     };
     let started = Instant::now();
     let answer = settings.tool.ask(&folder, "answer", &question)?;
-    let mut outcome = Outcome::of(case.truth.clone(), hash, &answer, started.elapsed().as_secs_f64());
-    if case.truth.arm == Arm::Poor {
-        outcome.after = after(&case, &folder, &question, &answer, settings)?;
-    } else if settings.oracle && nameable(&case.truth) {
+    let mut outcome = Outcome::of(truth.clone(), hash, &answer, started.elapsed().as_secs_f64());
+    if truth.arm == Arm::Poor {
+        outcome.after = after(case, &folder, &question, &answer, settings)?;
+    } else if settings.oracle && nameable(truth) {
         let oracle = settings.tool.ask(&folder, "oracle", &Question { only: effects.clone(), ..question })?;
         let errors = answer.fit.heldout_after_rms.zip(oracle.fit.heldout_after_rms);
         outcome.heldout_over_oracle = errors.map(|(found, best)| found / best).filter(|ratio| ratio.is_finite());
     }
     if settings.rivals {
-        outcome.rivals = rivals::answers(&folder, MACHINE, &FITTED, HELD_OUT, &case.truth)?;
+        outcome.rivals = rivals::answers(&folder, MACHINE, &FITTED, HELD_OUT, truth)?;
     }
     if !is_kept {
         // What an earlier run kept stays. Recordings come back from the seed; failing to remove them loses nothing.
@@ -174,7 +190,7 @@ fn case(seed: u64, settings: &Settings) -> Result<Outcome, Error> {
 
 /// Plays the experiment the answer proposes on the same machine, and asks again with its recordings added.
 fn after(
-    case: &Case,
+    case: &Subject,
     folder: &Path,
     before: &Question<'_>,
     answer: &Answer,
@@ -186,11 +202,11 @@ fn after(
     let file = folder.join(file);
     let unreadable = |error: std::io::Error| Error::input(&file, None, "", error.to_string());
     let reference = std::fs::read_to_string(&file).map_err(unreadable)?;
-    case.write_experiment(&reference, folder).map_err(|error| of_seed(case.seed, &error))?;
+    case.write_experiment(&reference, folder).map_err(|error| of_seed(case.seed(), &error))?;
     let mut question = before.clone();
     question.recordings.push(EXPERIMENT[0]);
     question.holdout.push(EXPERIMENT[1]);
-    Ok(Some(After::of(&case.truth, &settings.tool.ask(folder, "after", &question)?)))
+    Ok(Some(After::of(case.truth(), &settings.tool.ask(folder, "after", &question)?)))
 }
 
 /// The outcomes and failures that lie in these folders, by seed; an outcome counts over a failure.

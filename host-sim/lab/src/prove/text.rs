@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use super::power::Curve;
 use super::score::{ArmScore, Count, ExperimentScore, Pass, RivalScore};
-use super::{Outcome, Score};
+use super::{Outcome, Score, Verdict};
 
 /// A table: head, rows.
 pub type Table = (Vec<&'static str>, Vec<Vec<String>>);
@@ -26,7 +26,7 @@ pub fn pass(score: &Score) -> Table {
         };
         vec![pass.what.clone(), pass.required.clone(), measured, interval, pass.of.to_string(), met.to_owned()]
     };
-    let head = vec!["pass line", "required", "measured", "95 % interval", "cases", ""];
+    let head = vec!["pass line", "required", "measured", "exact 95 % interval", "cases", ""];
     (head, score.pass.iter().map(row).collect())
 }
 
@@ -37,6 +37,23 @@ pub fn arms(score: &Score) -> Table {
     let row = |arm: &ArmScore| {
         let counts = [arm.right, arm.exact, arm.first, arm.listed, arm.abstained, arm.wrong, arm.named];
         [arm.arm.name().to_owned()].into_iter().chain(counts.map(count)).collect()
+    };
+    (head, score.arms.iter().map(row).collect())
+}
+
+/// Conclusions by arm.
+pub fn verdicts(score: &Score) -> Table {
+    const ALL: [Verdict; 6] =
+        [Verdict::None, Verdict::Named, Verdict::Partial, Verdict::Ambiguous, Verdict::Unknown, Verdict::Controller];
+    let mut head = vec!["arm"];
+    head.extend(ALL.map(Verdict::name));
+    head.extend(["confidently wrong", "exact 95 % interval", "named with a stray", "partial, first name wrong"]);
+    let row = |arm: &ArmScore| {
+        let mut cells = vec![arm.arm.name().to_owned()];
+        cells.extend(ALL.map(|verdict| arm.verdicts.get(&verdict).copied().unwrap_or(0).to_string()));
+        let [low, high] = arm.wrong.interval();
+        cells.extend([count(arm.wrong), format!("{low:.3} to {high:.3}"), count(arm.stray), count(arm.partial_wrong)]);
+        cells
     };
     (head, score.arms.iter().map(row).collect())
 }
@@ -139,7 +156,9 @@ pub fn figures(score: &Score) -> Vec<String> {
 /// The whole report.
 pub fn report(score: &Score, outcomes: &[Outcome]) -> String {
     let mut text = String::new();
-    for table in [pass(score), arms(score), power(score), experiment(score), rivals(score), confusion(score)] {
+    for table in
+        [pass(score), arms(score), verdicts(score), power(score), experiment(score), rivals(score), confusion(score)]
+    {
         text += &aligned(&table);
         text.push('\n');
     }

@@ -36,6 +36,8 @@ pub struct Question<'a> {
     pub only: Vec<&'a str>,
     /// None of these effects.
     pub without: Vec<&'a str>,
+    /// Writes the improved model there, believed or not.
+    pub model: Option<&'a str>,
 }
 
 impl Tool {
@@ -57,6 +59,9 @@ impl Tool {
             if !ids.is_empty() {
                 command.arg(flag).arg(ids.join(","));
             }
+        }
+        if let Some(model) = question.model {
+            command.args(["--write-model", model, "--force"]);
         }
         let started = |error: std::io::Error| {
             Error::Usage(format!("{} diagnose cannot be started: {error}", self.program.display()))

@@ -6,13 +6,14 @@ use std::collections::BTreeMap;
 
 use conceal::plan::Arm;
 use serde::{Deserialize, Serialize};
+use statrs::distribution::{Beta, ContinuousCDF};
 
 pub use self::parts::{ExperimentScore, Reliability, RivalScore};
-use super::Outcome;
-use super::judge::nameable;
+use super::judge::{asked, nameable};
 use super::power::{self, Curve};
 use super::rivals::RIVALS;
 use super::run::Ran;
+use super::{Outcome, Verdict};
 
 /// A count of a number of cases.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -37,12 +38,13 @@ impl Count {
         self.holds as f64 / self.of.max(1) as f64
     }
 
-    /// 95 % interval of the share (E. B. Wilson, 1927).
+    /// Exact 95 % interval of the share (C. J. Clopper and E. S. Pearson, 1934).
     pub fn interval(self) -> [f64; 2] {
-        let (n, p, z) = (self.of.max(1) as f64, self.share(), 1.96_f64);
-        let centre = (p + z * z / (2.0 * n)) / (1.0 + z * z / n);
-        let half = z * (p * (1.0 - p) / n + z * z / (4.0 * n * n)).sqrt() / (1.0 + z * z / n);
-        [(centre - half).max(0.0), (centre + half).min(1.0)]
+        let (holds, others) = (self.holds as f64, self.of.saturating_sub(self.holds) as f64);
+        let bound = |a: f64, b: f64, level: f64| Beta::new(a, b).map(|beta| beta.inverse_cdf(level)).ok();
+        let low = bound(holds, others + 1.0, 0.025).filter(|_| self.holds > 0).unwrap_or(0.0);
+        let high = bound(holds + 1.0, others, 0.975).filter(|_| self.holds < self.of).unwrap_or(1.0);
+        [low, high]
     }
 }
 
@@ -51,9 +53,9 @@ impl Count {
 pub struct ArmScore {
     /// Arm.
     pub arm: Arm,
-    /// Right in every respect.
+    /// Right in every respect, where the size asked for it.
     pub right: Count,
-    /// Exact set, where there was something to name.
+    /// Exact set, where there was something to name, large enough to be asked for.
     pub exact: Count,
     /// First name right, of the same.
     pub first: Count,
@@ -61,10 +63,16 @@ pub struct ArmScore {
     pub listed: Count,
     /// Abstained where that was right, of the rest.
     pub abstained: Count,
-    /// Confidently wrong.
+    /// Confidently wrong, at any size.
     pub wrong: Count,
     /// Named anything.
     pub named: Count,
+    /// How often each conclusion was drawn.
+    pub verdicts: BTreeMap<Verdict, usize>,
+    /// `named`, and any of the names is not there.
+    pub stray: Count,
+    /// `partial`, and the first name is not there; of the partial answers.
+    pub partial_wrong: Count,
 }
 
 /// One line of the pass line.
@@ -149,8 +157,8 @@ impl Score {
     /// right in an arm without sizes.
     pub fn misses<'a>(&'a self, outcomes: &'a [Outcome]) -> impl Iterator<Item = &'a Outcome> {
         outcomes.iter().filter(|outcome| {
-            let asked = outcome.arm() != Arm::Single || clear(outcome, &self.power);
-            outcome.confidently_wrong || asked && !outcome.is_right()
+            let large = asked(&outcome.truth) && (outcome.arm() != Arm::Single || clear(outcome, &self.power));
+            outcome.confidently_wrong || large && !outcome.is_right()
         })
     }
 }
@@ -158,24 +166,35 @@ impl Score {
 impl ArmScore {
     fn of(arm: Arm, outcomes: &[Outcome]) -> Option<Self> {
         let all: Vec<&Outcome> = outcomes.iter().filter(|outcome| outcome.arm() == arm).collect();
-        let to_name = || all.iter().filter(|outcome| nameable(&outcome.truth));
+        let large = || all.iter().filter(|outcome| asked(&outcome.truth));
+        let to_name = || large().filter(|outcome| nameable(&outcome.truth));
+        let mut verdicts: BTreeMap<Verdict, usize> = BTreeMap::new();
+        all.iter().for_each(|outcome| *verdicts.entry(outcome.verdict).or_default() += 1);
+        let partial = all.iter().filter(|outcome| outcome.verdict == Verdict::Partial);
         let score = Self {
             arm,
-            right: Count::over(&all, |outcome| outcome.is_right()),
+            right: Count::over(large(), |outcome| outcome.is_right()),
             exact: Count::over(to_name(), |outcome| outcome.exact),
             first: Count::over(to_name(), |outcome| outcome.first_right),
             listed: Count::over(to_name(), |outcome| outcome.listed),
-            abstained: Count::over(all.iter().filter(|o| !nameable(&o.truth)), |outcome| outcome.abstained_right),
+            abstained: Count::over(large().filter(|o| !nameable(&o.truth)), |outcome| outcome.abstained_right),
             wrong: Count::over(&all, |outcome| outcome.confidently_wrong),
             named: Count::over(&all, |outcome| outcome.offers_names()),
+            verdicts,
+            stray: Count::over(&all, |outcome| outcome.stray),
+            partial_wrong: Count::over(partial, |outcome| outcome.partial_wrong),
         };
         (!all.is_empty()).then_some(score)
     }
 }
 
-/// Whether a single effect is at least twice as strong as what is found in half of the cases; of an effect so hard to
+/// Whether a single effect is large enough to be asked for: in the drawn plan at twice the size that the motion can tell, in the
+/// fixed one at least twice as strong as what is found in half of the cases; of an effect so hard to
 /// find that twice that was not tried, whether it is within a factor of two of the clearest.
 fn clear(outcome: &Outcome, power: &[Curve]) -> bool {
+    if outcome.truth.machine.is_some() {
+        return asked(&outcome.truth);
+    }
     let [effect] = &outcome.truth.effects[..] else { return false };
     let Some(curve) = power.iter().find(|curve| curve.id == effect.id) else { return false };
     let strongest = curve.points.last().map_or(0.0, |point| point.strength);
@@ -191,6 +210,9 @@ fn pass(outcomes: &[Outcome], power: &[Curve], reliability: &Reliability, over_o
         Pass::share(what, format!("at least {least}"), count, |share| share >= least)
     };
     let singles: Vec<&Outcome> = of(&[Arm::Single]).into_iter().filter(|outcome| clear(outcome, power)).collect();
+    // The tightest bound that two rounds of the drawn plan can show.
+    let wrong =
+        |what: &str, arm: Arm| at_most(what, Count::over(of(&[arm]), |outcome| outcome.confidently_wrong), 0.02);
     let oracle = quantiles(over_oracle.to_vec(), [0.95, 0.95]).map(|[high, _]| high);
     vec![
         at_most("named on clean data", Count::over(of(&[Arm::Clean]), |outcome| outcome.offers_names()), 0.01),
@@ -199,14 +221,11 @@ fn pass(outcomes: &[Outcome], power: &[Curve], reliability: &Reliability, over_o
             Count::over(singles, |o| o.first_right),
             0.97,
         ),
-        at_least("exact pairs", Count::over(of(&[Arm::Pair]), |outcome| outcome.exact), 0.90),
-        at_most(
-            "confidently wrong with the effect outside the library",
-            Count::over(of(&[Arm::Removed, Arm::Outside]), |outcome| outcome.confidently_wrong),
-            0.01,
-        ),
-        Pass::share("95 % intervals that hold the truth", "0.92 to 0.98".to_owned(), reliability.all, |share| {
-            (0.92..=0.98).contains(&share)
+        at_least("exact pairs", Count::over(of(&[Arm::Pair]).iter().filter(|o| asked(&o.truth)), |o| o.exact), 0.90),
+        wrong("confidently wrong with the name taken out of the library", Arm::Removed),
+        wrong("confidently wrong with an effect that was never in it", Arm::Outside),
+        Pass::share("95 % intervals that hold the truth", "0.93 to 0.97".to_owned(), reliability.all, |share| {
+            (0.93..=0.97).contains(&share)
         }),
         Pass {
             what: "held-out error over the oracle's, 95th percentile".to_owned(),
@@ -236,8 +255,8 @@ impl Pass {
 /// Of cases with at most one concealed effect: the answer's first name, or its verdict where it names nothing.
 fn confusion(outcomes: &[Outcome]) -> BTreeMap<String, BTreeMap<String, usize>> {
     let mut table: BTreeMap<String, BTreeMap<String, usize>> = BTreeMap::new();
-    let asked = |o: &&Outcome| matches!(o.arm(), Arm::Clean | Arm::Single | Arm::Outside) && o.truth.effects.len() < 2;
-    for outcome in outcomes.iter().filter(asked) {
+    let single = |o: &&Outcome| matches!(o.arm(), Arm::Clean | Arm::Single | Arm::Outside) && o.truth.effects.len() < 2;
+    for outcome in outcomes.iter().filter(single) {
         let truth = outcome.truth.effects.first().map_or("nothing", |effect| &effect.id);
         let answer = match (&outcome.named[..], outcome.offers_names()) {
             ([first, ..], true) => first.clone(),
@@ -263,7 +282,7 @@ pub(super) mod testing {
     /// A truth of an arm with nothing concealed.
     pub(crate) fn truth(arm: Arm) -> Truth {
         let (salt, effects) = (String::new(), Vec::new());
-        Truth { seed: 1, arm, decoy: None, effects, torque_noise_nm: 0.0, sensor_noise_rad: 0.0, salt }
+        Truth { seed: 1, arm, decoy: None, effects, torque_noise_nm: 0.0, sensor_noise_rad: 0.0, machine: None, salt }
     }
 }
 
@@ -293,7 +312,7 @@ mod tests {
         outcomes.push(outcome(Arm::Outside, 1.0, "named", "inertia"));
         let score = Score::of(&Ran { outcomes: outcomes.clone(), failures: Vec::new() });
         let met: Vec<bool> = score.pass.iter().map(|pass| pass.met).collect();
-        assert_eq!(met, [true, true, false, false, false, false, true], "{:?}", score.pass);
+        assert_eq!(met, [true, true, false, false, false, false, false, true], "{:?}", score.pass);
         // The name on clean data and the one outside the library; an effect too small to be found is no miss.
         assert_eq!(score.misses(&outcomes).count(), 2);
         assert_eq!(score.confusion["inertia"]["(none)"], 3);
@@ -303,6 +322,10 @@ mod tests {
     #[test]
     fn a_share_has_its_interval() {
         let [low, high] = Count { holds: 95, of: 100 }.interval();
-        assert!((low - 0.8882).abs() < 1e-3 && (high - 0.9785).abs() < 1e-3);
+        assert!((low - 0.8872).abs() < 1e-4 && (high - 0.9836).abs() < 1e-4, "{low} {high}");
+        // None of n: 1 - 0.025^(1/n).
+        let [none, most] = Count { holds: 0, of: 64 }.interval();
+        assert!(none == 0.0 && (most - (1.0 - 0.025_f64.powf(1.0 / 64.0))).abs() < 1e-9, "{most}");
+        assert_eq!(Count { holds: 3, of: 3 }.interval()[1], 1.0);
     }
 }

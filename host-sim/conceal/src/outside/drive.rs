@@ -1,0 +1,81 @@
+//! Torques that are not what was commanded.
+
+use super::{Heat, Hidden, Seen};
+
+/// Gain that ripples over the angle.
+pub(super) struct Ripple(pub(super) [f64; 3]);
+
+impl Hidden for Ripple {
+    fn drive(&mut self, seen: &Seen, torque: f64) -> f64 {
+        let [share, order, phase] = self.0;
+        torque * (1.0 + share * (order * seen.position + phase).sin())
+    }
+}
+
+/// Torque that dips where one winding hands over to the next.
+pub(super) struct Dips(pub(super) [f64; 3]);
+
+impl Hidden for Dips {
+    fn drive(&mut self, seen: &Seen, torque: f64) -> f64 {
+        let [share, order, phase] = self.0;
+        torque * (1.0 - share * (0.5 * (order * seen.position + phase)).sin().powi(8))
+    }
+}
+
+/// A share of the torque that comes late and goes late.
+pub(super) struct Creep {
+    share: f64,
+    time_s: f64,
+    late: f64,
+}
+
+impl Creep {
+    pub(super) fn new(v: &[f64]) -> Self {
+        Self { share: v[0], time_s: v[1], late: 0.0 }
+    }
+}
+
+impl Hidden for Creep {
+    fn drive(&mut self, seen: &Seen, torque: f64) -> f64 {
+        self.late += -(-seen.step_s / self.time_s).exp_m1() * (torque - self.late);
+        torque + self.share * (self.late - torque)
+    }
+}
+
+/// Another gain one way than the other.
+pub(super) struct GainBySign(pub(super) f64);
+
+impl Hidden for GainBySign {
+    fn drive(&mut self, _: &Seen, torque: f64) -> f64 {
+        torque + 0.5 * self.0 * torque.abs()
+    }
+}
+
+/// Gain that fades as the windings warm.
+pub(super) struct Fades {
+    share: f64,
+    heat: Heat,
+}
+
+impl Fades {
+    pub(super) fn new(v: &[f64]) -> Self {
+        Self { share: v[0], heat: Heat::new(v[1], v[2]) }
+    }
+}
+
+impl Hidden for Fades {
+    fn drive(&mut self, seen: &Seen, torque: f64) -> f64 {
+        torque * (1.0 - self.share * self.heat.after(torque * torque, seen.step_s))
+    }
+}
+
+/// A supply that sags under mechanical power.
+pub(super) struct Sag(pub(super) [f64; 2]);
+
+impl Hidden for Sag {
+    fn drive(&mut self, seen: &Seen, torque: f64) -> f64 {
+        let [share, power] = self.0;
+        let drawn = (torque * seen.speed).max(0.0) / power;
+        torque * (1.0 - share * drawn / (1.0 + drawn))
+    }
+}

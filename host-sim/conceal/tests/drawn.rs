@@ -1,0 +1,103 @@
+//! The drawn plan: any machine, effects in sizes of what its motion can tell.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use conceal::case::{FITTED, HELD_OUT, MACHINE};
+use conceal::drawn::Case;
+use conceal::plan::{Arm, Drawn};
+
+/// Numbers of every cell that is one, by column.
+fn numbers(csv: &str) -> BTreeMap<String, Vec<f64>> {
+    let mut reader = csv::Reader::from_reader(csv.as_bytes());
+    let header: Vec<String> = reader.headers().unwrap().iter().map(str::to_owned).collect();
+    let mut columns: BTreeMap<String, Vec<f64>> = BTreeMap::new();
+    for row in reader.records() {
+        for (name, cell) in header.iter().zip(row.unwrap().iter()) {
+            if name != "mode" {
+                columns.entry(name.clone()).or_default().push(cell.parse().unwrap());
+            }
+        }
+    }
+    columns
+}
+
+fn written(case: &Case) -> Vec<String> {
+    let folder = tempfile::tempdir().unwrap();
+    case.write(folder.path()).unwrap();
+    let files = [MACHINE].into_iter().chain(FITTED).chain([HELD_OUT]);
+    files.map(|name| std::fs::read_to_string(folder.path().join(name)).unwrap()).collect()
+}
+
+#[test]
+fn any_stretch_of_seeds_has_machines_of_all_kinds_finite_and_the_same_again() {
+    let cases: Vec<Case> = (0..24).map(|seed| Case::draw(seed).unwrap()).collect();
+    let mut arms = BTreeSet::new();
+    for case in &cases {
+        let started = std::time::Instant::now();
+        let machine = case.truth.machine.clone().unwrap();
+        let files = written(case);
+        let columns = numbers(&files[1]);
+        let rows = columns["t_s"].len();
+        let effects: Vec<String> =
+            case.truth.effects.iter().map(|e| format!("{} x{:.1} {:?}", e.id, e.size, e.parameters)).collect();
+        println!(
+            "{:3} {:10} {:6.0} Hz J {:8.5} u {:8.4} {} {rows} rows {:.1} s: {}",
+            case.seed,
+            case.truth.arm,
+            1.0 / machine.period_s,
+            machine.inertia,
+            machine.torque_rms,
+            if machine.linear {
+                "linear"
+            } else if machine.flashed_law {
+                "servo"
+            } else {
+                "rotary"
+            },
+            started.elapsed().as_secs_f64(),
+            effects.join(", ")
+        );
+        assert!(columns.values().flatten().all(|value| value.is_finite()) && rows > 1000, "{}", case.seed);
+        arms.insert(case.truth.arm);
+    }
+    assert!(arms.len() >= 6, "{arms:?}");
+    for case in &cases[..4] {
+        let again = Case::draw(case.seed).unwrap();
+        assert_eq!((&again.truth, written(&again)), (&case.truth, written(case)));
+    }
+}
+
+#[test]
+fn every_kind_outside_and_every_effect_of_the_vocabulary_comes_up_and_runs() {
+    // The kinds of one family after another: what the draws of many rounds meet.
+    let mut seen: BTreeMap<String, usize> = BTreeMap::new();
+    for (index, family) in conceal::outside::families().into_iter().enumerate() {
+        for seed in 0..3 {
+            let blueprint = Drawn { arm: Arm::Outside, effects: 0, decoy: None, families: vec![family] };
+            let case = Case::of(700_000 + 10 * index as u64 + seed, blueprint).unwrap();
+            let [effect] = &case.truth.effects[..] else { panic!("one effect") };
+            assert_eq!(case.truth.machine.as_ref().unwrap().families, [family]);
+            assert!((0.5..=20.0).contains(&effect.size) && !effect.in_vocabulary, "{effect:?}");
+            *seen.entry(effect.id.clone()).or_default() += 1;
+        }
+    }
+    println!("{} of {} kinds: {seen:?}", seen.len(), conceal::outside::KINDS.len());
+    assert!(seen.len() >= 25);
+}
+
+#[test]
+fn the_generator_shares_no_physics_with_the_plant_or_the_tool() {
+    let manifest = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/Cargo.toml")).unwrap();
+    let dependencies = manifest.split("[dependencies]").nth(1).unwrap();
+    let names: BTreeSet<&str> = dependencies
+        .lines()
+        .filter(|line| !line.starts_with(['#', '[']))
+        .filter_map(|line| line.split_once('=').map(|(name, _)| name.trim()))
+        .collect();
+    let allowed =
+        ["er-servo", "rand", "rand_distr", "csv", "serde", "serde_json", "sha2", "rustfft", "thiserror", "tempfile"];
+    assert!(names.iter().all(|name| allowed.contains(name)), "{names:?}");
+    // Of the firmware the control law alone, without its simulated hardware, which has the plant.
+    assert!(dependencies.contains("er-servo = { path = \"../..\" }"));
+}
