@@ -9,10 +9,8 @@ pub static EFFECT: Effect = Effect {
     id: "temperature_viscosity",
     sentence: "Viscous friction falls as its own power warms the lubricant or the fluid, and comes back as that cools.",
     parameters: &[sized(Size::PerWork, 0.0, 1e3, 0.1), sized(Size::PerDuration, 0.0, 1e3, 1.0)],
+    applies: |p, _| p.model.viscous > 0.0,
     starts: |p, e| {
-        if p.model.viscous <= 0.0 {
-            return Vec::new();
-        }
         let (per_j, per_s) = (Size::PerWork.of(p, e), Size::PerDuration.of(p, e));
         [(1.0, 0.3), (1.0, 3.0), (5.0, 3.0), (5.0, 30.0)].iter().map(|(k, r)| vec![k * per_j, r * per_s]).collect()
     },
