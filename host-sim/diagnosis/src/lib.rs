@@ -17,6 +17,7 @@ mod nominal;
 pub mod physics;
 pub mod pipeline;
 pub mod problem;
+pub mod ranking;
 pub mod recorded;
 pub mod score;
 pub mod search;

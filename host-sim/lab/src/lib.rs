@@ -6,6 +6,7 @@
 
 pub mod cli;
 pub mod conclude;
+pub mod delays;
 pub mod first_model;
 pub mod guide;
 pub mod interrupt;

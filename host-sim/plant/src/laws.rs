@@ -2,5 +2,5 @@
 //! the very functions that [`crate::Mechanics`] integrates.
 
 pub use crate::effects::friction::Friction;
-pub use crate::effects::position::PositionTorque;
+pub use crate::effects::position::{PositionTorque, Ripple};
 pub use crate::effects::shaft::ShaftLaw;

@@ -1,6 +1,6 @@
 //! The machine as numbers.
 
-use crate::effects::{Asymmetry, Gravity, Harmonic, Pulse, Shaft, Stribeck, Vibration, friction, position};
+use crate::effects::{Asymmetry, Gravity, Harmonic, Pulse, Shaft, Stribeck, Vibration, Warming, friction, position};
 use crate::{Error, sensor::SensorModel};
 
 /// Everything the physics knows of a machine. SI; torques in N m or N, see the crate documentation.
@@ -35,10 +35,19 @@ pub struct Model {
     /// Dry friction as a bristle (Dahl) of this stiffness, N m/rad (N/m), above 0; none for true stiction. The bristle
     /// stands for Coulomb friction only, the fluid still holds.
     pub presliding_stiffness: Option<f64>,
+    /// Dry friction over the Coulomb level for each N m of the drive's torque, 1, not negative and below 1: level + this times
+    /// |torque|. What bearings, screws and gears transmit presses them together (Bittencourt and Gunnarsson, J. Dyn. Syst.
+    /// Meas. Control 134 (2012), article 051013, whose level over the load is this straight line).
+    pub load_friction: f64,
+    /// The viscous coefficient falls with the heat that all drag makes; none for a constant one.
+    pub viscous_warming: Option<Warming>,
     /// Drag coefficient of w |w|, N m s2/rad2 (N s2/m2), not negative.
     pub quadratic_drag: f64,
     /// Cogging, one entry an order.
     pub cogging: Vec<Harmonic>,
+    /// The drive's torque is 1 + these times itself, one entry an order, amplitudes below 1 in all: flux and current of a motor
+    /// are no perfect sines (Holtz and Springob, IEEE Trans. Ind. Electron. 43 (1996) 309).
+    pub torque_ripple: Vec<Harmonic>,
     /// Unbalanced load.
     pub gravity: Option<Gravity>,
     /// Spring to position zero, N m/rad (N/m), not negative.
@@ -68,6 +77,8 @@ pub struct Er {
     pub scale: f64,
     /// The torque is (1 + this times t) times the law, 1/s; never below zero.
     pub drift_per_s: f64,
+    /// The torque falls with the heat that all drag makes; none for a constant one.
+    pub warming: Option<Warming>,
     /// Below yield the fluid is a spring of this stiffness, N m/rad (N/m), above 0; none for a fluid that holds rigidly.
     /// Only for [`FluidResponse::Field`]. Elastic up to the torque of the field, ideally plastic there: a field that
     /// falls takes the surplus of the spring away.
@@ -131,6 +142,7 @@ impl Er {
             field_gain: 1.0,
             scale: 1.0,
             drift_per_s: 0.0,
+            warming: None,
             preyield_stiffness: None,
         }
     }
@@ -164,8 +176,11 @@ impl Model {
             stribeck: None,
             asymmetry: Asymmetry::default(),
             presliding_stiffness: None,
+            load_friction: 0.0,
+            viscous_warming: None,
             quadratic_drag: 0.0,
             cogging: Vec::new(),
+            torque_ripple: Vec::new(),
             gravity: None,
             spring_stiffness: 0.0,
             shaft: None,
@@ -212,22 +227,24 @@ impl Model {
 
 impl Er {
     fn validate(&self) -> Result<(), Error> {
-        not_negative("er.a", self.a)?;
-        not_negative("er.b", self.b)?;
-        not_negative("er.field_gain", self.field_gain)?;
-        not_negative("er.scale", self.scale)?;
-        finite("er.drift_per_s", self.drift_per_s)?;
-        if let Some(stiffness) = self.preyield_stiffness {
-            let field = matches!(self.response, FluidResponse::Field(_));
+        let Self { a, b, response, field_gain, scale, drift_per_s, warming, preyield_stiffness } = self;
+        not_negative("er.a", *a)?;
+        not_negative("er.b", *b)?;
+        not_negative("er.field_gain", *field_gain)?;
+        not_negative("er.scale", *scale)?;
+        finite("er.drift_per_s", *drift_per_s)?;
+        warming.map_or(Ok(()), |warming| warming.validate("er.warming"))?;
+        if let Some(stiffness) = *preyield_stiffness {
+            let field = matches!(response, FluidResponse::Field(_));
             check("er.preyield_stiffness", stiffness, field, "left out where the viscosity is delayed")?;
             positive("er.preyield_stiffness", stiffness)?;
         }
-        match self.response {
-            FluidResponse::Field(field) => {
-                not_negative("er.dead_time_s", field.dead_time_s)?;
-                not_negative("er.rise_s", field.rise_s)?;
-                not_negative("er.fall_s", field.fall_s)?;
-                field.slew_kv_mm_s.map_or(Ok(()), |slew| {
+        match *response {
+            FluidResponse::Field(FieldResponse { dead_time_s, slew_kv_mm_s, rise_s, fall_s }) => {
+                not_negative("er.dead_time_s", dead_time_s)?;
+                not_negative("er.rise_s", rise_s)?;
+                not_negative("er.fall_s", fall_s)?;
+                slew_kv_mm_s.map_or(Ok(()), |slew| {
                     check(
                         "er.slew_kv_mm_s",
                         slew,

@@ -6,6 +6,7 @@ mod common;
 
 use common::{TICK_S, command, every_effect, run};
 use plant::Model;
+use plant::effects::{Harmonic, Warming};
 
 /// Position after each tick by Euler steps, `steps` to a tick; undelayed torque, field dead time 2 ms and lag 3 ms.
 fn brute_force(model: &Model, ticks: usize, steps: usize) -> Vec<f64> {
@@ -13,6 +14,8 @@ fn brute_force(model: &Model, ticks: usize, steps: usize) -> Vec<f64> {
     let er = model.er.as_ref().unwrap();
     let (mut position, mut speed, mut field, mut bristle, mut spring) = (0.0_f64, 0.0_f64, 0.0_f64, 0.0_f64, 0.0_f64);
     let (mut twist, mut twist_rate) = (0.0_f64, 0.0_f64);
+    let (mut friction_heat, mut fluid_heat) = (0.0_f64, 0.0_f64);
+    let share = |warming: Option<Warming>, heat: f64| warming.map_or(1.0, |w| (-w.per_j * heat).exp());
     let mut positions = Vec::new();
     for tick in 0..ticks {
         let wanted = if tick >= 4 { command(tick - 4).field_kv_mm } else { 0.0 };
@@ -21,7 +24,10 @@ fn brute_force(model: &Model, ticks: usize, steps: usize) -> Vec<f64> {
             field += (wanted - field) * (1.0 - (-h / 0.003).exp());
             let acting = er.field_gain * field;
             let level = er.scale * (1.0 + er.drift_per_s * t_s) * (er.a * acting * acting + er.b * acting);
-            let mut push = command(tick).torque;
+            let level = level * share(er.warming, fluid_heat);
+            let ripple = |h: &Harmonic| h.amplitude * (h.order * position + h.phase_rad).sin();
+            let drive = command(tick).torque * (1.0 + model.torque_ripple.iter().map(ripple).sum::<f64>());
+            let mut push = drive;
             push += model.cogging.iter().map(|c| c.amplitude * (c.order * position + c.phase_rad).sin()).sum::<f64>();
             push -= model.gravity.map_or(0.0, |g| g.amplitude * (position + g.phase_rad).sin());
             push -= model.spring_stiffness * position + model.quadratic_drag * speed * speed.abs();
@@ -39,10 +45,12 @@ fn brute_force(model: &Model, ticks: usize, steps: usize) -> Vec<f64> {
                 bristle += stiffness * speed * h * (1.0 - speed.signum() * bristle / model.coulomb);
                 push -= bristle;
             }
+            hold += model.load_friction * drive.abs();
             hold += model.stribeck.map_or(0.0, |s| s.excess * (-(speed / s.velocity).powi(2)).exp());
             let direction = if speed == 0.0 { push.signum() } else { speed.signum() };
             hold += 0.5 * model.asymmetry.coulomb * direction;
-            push -= (model.viscous + 0.5 * model.asymmetry.viscous * direction) * speed;
+            let viscous = share(model.viscous_warming, friction_heat) * model.viscous;
+            push -= (viscous + 0.5 * model.asymmetry.viscous * direction) * speed;
             let mut inertia = model.inertia;
             let mut through = 0.0;
             if let Some(shaft) = model.shaft {
@@ -65,6 +73,10 @@ fn brute_force(model: &Model, ticks: usize, steps: usize) -> Vec<f64> {
             twist_rate -= speed - before;
             twist += h * twist_rate;
             position += h * speed;
+            let power = (hold + viscous * speed.abs()) * speed.abs();
+            let warmed = |warming: Option<Warming>, heat: f64| warming.map_or(0.0, |w| power - w.cooling_per_s * heat);
+            friction_heat += h * warmed(model.viscous_warming, friction_heat);
+            fluid_heat += h * warmed(er.warming, fluid_heat);
         }
         positions.push(position);
     }

@@ -155,6 +155,8 @@ const ORDER: Parameter = by_axis(["order_per_rev", "1/rev"], ["order_per_m", "1/
 const PHASE: Parameter = same("phase_rad", "rad", Allowed::Finite);
 const RESONANCE: Parameter = same("resonance_hz", "Hz", Allowed::AboveZero);
 const DAMPING_RATIO: Parameter = same("damping_ratio", "1", Allowed::AtLeastZero);
+/// Share of the stored heat that is given off in a second.
+const COOLING: Parameter = same("cooling_per_s", "1/s", Allowed::AtLeastZero);
 /// Load over motor.
 const INERTIA_RATIO: Parameter = same("inertia_ratio", "1", Allowed::AboveZero);
 
@@ -242,6 +244,13 @@ pub const EFFECTS: &[EffectKind] = &[
     ),
     once("channel_skew", &[same("skew_s", "s", Allowed::Between(-LONGEST_DELAY_S, LONGEST_DELAY_S))]),
     once("torque_filter", &[LAG]),
+    once("load_dependent_friction", &[same("coefficient", "1", Allowed::Between(0.0, 0.9))]),
+    once("temperature_viscosity", &[same("viscosity_per_j", "1/J", Allowed::AtLeastZero), COOLING]),
+    EffectKind {
+        id: "torque_ripple",
+        parameters: &[same("gain_amplitude", "1", Allowed::Between(0.0, 0.9)), ORDER, PHASE],
+        occurs: Occurs::Repeatedly,
+    },
 ];
 
 #[cfg(test)]

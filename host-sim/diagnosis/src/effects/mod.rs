@@ -20,6 +20,7 @@ mod field_slew_limit;
 mod friction_asymmetry;
 mod gravity_load;
 mod inertia;
+mod load_dependent_friction;
 mod presliding;
 mod quadratic_drag;
 mod resolver_eccentricity;
@@ -27,21 +28,27 @@ mod sensor_glitch;
 mod sensor_latency;
 mod spring_load;
 mod stribeck_friction;
+mod temperature_viscosity;
 mod torque_deadband;
 mod torque_delay;
 mod torque_filter;
 mod torque_gain;
 mod torque_lag;
 mod torque_offset;
+mod torque_ripple;
 mod torque_saturation;
 mod vibration;
 mod viscosity_dead_time;
 mod viscosity_lag;
 mod viscous_friction;
 
+mod size;
+
 use plant::effects::{Harmonic, Pulse};
 
 use crate::physics::{Physics, Tone};
+
+pub use size::Size;
 
 /// One number of an effect that the fit moves.
 #[derive(Debug, Clone, Copy)]
@@ -58,54 +65,6 @@ pub struct Parameter {
     pub searched: bool,
     /// What bounds and scale are multiples of.
     pub size: Size,
-}
-
-/// What the numbers of a parameter are measured by on a machine.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Size {
-    /// The unit itself.
-    Unit,
-    /// Root mean square of the commanded torque.
-    Torque,
-    /// Largest commanded torque.
-    TorquePeak,
-    /// Torque over the largest speed.
-    Damping,
-    /// Torque over the square of the largest speed.
-    Drag,
-    /// Torque over the travel.
-    Stiffness,
-    /// The largest speed.
-    Speed,
-    /// The nominal inertia.
-    Inertia,
-    /// The travel.
-    Travel,
-    /// One over the sample period.
-    Rate,
-    /// The sensor's step.
-    Step,
-}
-
-impl Size {
-    /// In SI units of the axis.
-    pub fn of(self, physics: &Physics, excitation: &Excitation) -> f64 {
-        let (speed, travel) = (excitation.speed_peak.max(1e-9), excitation.travel.max(1e-9));
-        match self {
-            Self::Unit => 1.0,
-            Self::Torque => excitation.torque_rms,
-            Self::TorquePeak => excitation.torque_peak,
-            Self::Damping => excitation.torque_rms / speed,
-            Self::Drag => excitation.torque_rms / (speed * speed),
-            Self::Stiffness => excitation.torque_rms / travel,
-            Self::Speed => speed,
-            Self::Inertia => physics.model.inertia,
-            Self::Travel => travel,
-            Self::Rate => excitation.period_s.max(1e-6).recip(),
-            // Of a continuous sensor, what shows in a travel of a million steps.
-            Self::Step => excitation.step.max(1e-6 * travel),
-        }
-    }
 }
 
 /// Bounds and scale of a parameter on a machine, in its own unit.
@@ -171,6 +130,8 @@ pub struct Excitation {
     pub linear: bool,
     /// Orders over position that stand out of the residual, best first.
     pub orders: Vec<f64>,
+    /// The same of the residual's share that goes along with the drive's torque.
+    pub ripple_orders: Vec<f64>,
     /// Pushes that stand out of the residual, each with its recording and how often chance has one stand out as far.
     pub pulses: Vec<(usize, Pulse, f64)>,
     /// Tones that stand out of the residual, best first.
@@ -350,7 +311,7 @@ pub(crate) fn amplitude_order_phase(values: &[f64]) -> Vec<f64> {
 }
 
 /// The whole vocabulary, in the order of the specification; `controller` is not fitted but replayed.
-pub static VOCABULARY: [&Effect; 35] = [
+pub static VOCABULARY: [&Effect; 38] = [
     &channel_skew::EFFECT,
     &torque_filter::EFFECT,
     &field_dead_time::EFFECT,
@@ -386,6 +347,9 @@ pub static VOCABULARY: [&Effect; 35] = [
     &resolver_eccentricity::EFFECT,
     &sensor_latency::EFFECT,
     &sensor_glitch::EFFECT,
+    &load_dependent_friction::EFFECT,
+    &temperature_viscosity::EFFECT,
+    &torque_ripple::EFFECT,
 ];
 
 /// The effect of that identifier.

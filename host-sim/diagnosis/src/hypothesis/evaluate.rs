@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use plant::Model;
 use rayon::prelude::*;
 
 use crate::likelihood::filter::{Driven, Innovations, Path, Prepared};
@@ -172,17 +173,40 @@ impl Kept {
 /// Whether the same acts on the rotor in both.
 fn same_actuation(one: &Physics, other: &Physics) -> bool {
     let drive = |p: &Physics| {
-        let m = &p.model;
+        // Without `..`: a field that an effect adds has to be thought of here.
+        let Model {
+            inertia: _,
+            coulomb: _,
+            viscous: _,
+            torque_gain,
+            torque_offset,
+            torque_limit,
+            torque_deadband,
+            torque_delay_s,
+            torque_lag_s,
+            er,
+            stribeck: _,
+            asymmetry: _,
+            presliding_stiffness: _,
+            load_friction: _,
+            viscous_warming: _,
+            quadratic_drag: _,
+            cogging: _,
+            torque_ripple: _,
+            gravity: _,
+            spring_stiffness: _,
+            shaft: _,
+            pulses: _,
+            vibration: _,
+            sensor,
+        } = &p.model;
         (
-            (m.torque_gain, m.torque_offset, m.torque_limit, m.torque_deadband),
-            (m.torque_delay_s, m.torque_lag_s, m.sensor.latency_s, p.skew_s, p.torque_filter_s),
+            (*torque_gain, *torque_offset, *torque_limit, *torque_deadband),
+            (*torque_delay_s, *torque_lag_s, sensor.latency_s, p.skew_s, p.torque_filter_s),
+            er.clone(),
         )
     };
-    drive(one) == drive(other)
-        && one.model.er == other.model.er
-        && one.pushes == other.pushes
-        && one.tone == other.tone
-        && other.model.validate().is_ok()
+    drive(one) == drive(other) && one.pushes == other.pushes && one.tone == other.tone && other.model.validate().is_ok()
 }
 
 /// The noise of each recording under which a machine is most likely, searched from `from` in steps of 2^`octaves` downwards for

@@ -1,6 +1,6 @@
 //! What acts on the rotor in every substep of a recording.
 
-use plant::{Command, FluidResponse, Model, Segment, Timeline};
+use plant::{Command, Er, FluidResponse, Model, Segment, Timeline};
 
 use crate::physics::Physics;
 use crate::recorded::Recorded;
@@ -54,6 +54,8 @@ impl Grid {
 pub struct Acting {
     /// Torque of drive and outside, N m (N).
     pub(crate) torque: Vec<f64>,
+    /// Of that, the drive's before its ripple, N m (N).
+    pub(crate) drive: Vec<f64>,
     /// Set-valued drag of the fluid, or the torque at which its spring yields, N m (N); empty without a fluid.
     pub(crate) level: Vec<f64>,
     /// Viscous coefficient of the fluid, N m s/rad (N s/m); empty where the fluid has none.
@@ -74,13 +76,20 @@ impl Acting {
         let early_s = if measured { 0.5 * recorded.period_s() } else { 0.0 };
         let torque = Reader { segments: timeline.segments(), shift_s: latency_s + physics.skew_s - early_s };
         let outside = Outside { model: &model };
-        torque.read(recorded, grid, |_, pieces| acting.torque.push(outside.mean(pieces)));
+        torque.read(recorded, grid, |_, pieces| {
+            let drive = mean_over(pieces, |segment, from_s, to_s| segment.torque.mean(from_s, to_s));
+            acting.drive.push(drive);
+            acting.torque.push(drive + outside.mean(pieces));
+        });
         if let Some(er) = &model.er {
             let fluid = Reader { segments: timeline.segments(), shift_s: latency_s };
             let (a, b) = er.acting();
-            let viscous = !matches!(er.response, FluidResponse::Field(_));
+            // Without `..`: a field that an effect adds has to be thought of here. Warming is a matter of the motion.
+            let Er { a: _, b: _, response, field_gain: _, scale: _, drift_per_s, warming: _, preyield_stiffness: _ } =
+                er;
+            let viscous = !matches!(response, FluidResponse::Field(_));
             fluid.read(recorded, grid, |t_s, pieces| {
-                let drift = (1.0 + er.drift_per_s * t_s).max(0.0);
+                let drift = (1.0 + drift_per_s * t_s).max(0.0);
                 if viscous {
                     acting.level.push(drift * mean(pieces, |segment, at_s| segment.brake_torque.at(at_s)));
                     acting.viscosity.push(drift * mean(pieces, |segment, at_s| segment.fluid.at(at_s)));
@@ -101,29 +110,31 @@ type Piece<'a> = (&'a Segment, f64, f64);
 
 /// Mean over the pieces, by the value in the middle of each.
 fn mean(pieces: &[Piece<'_>], value: impl Fn(&Segment, f64) -> f64) -> f64 {
+    mean_over(pieces, |segment, from_s, to_s| value(segment, 0.5 * (from_s + to_s)))
+}
+
+/// Mean over the pieces, by the mean of each.
+fn mean_over(pieces: &[Piece<'_>], value: impl Fn(&Segment, f64, f64) -> f64) -> f64 {
     let (mut sum, mut length_s) = (0.0, 0.0);
     for (segment, from_s, to_s) in pieces {
-        sum += (to_s - from_s) * value(segment, 0.5 * (from_s + to_s));
+        sum += (to_s - from_s) * value(segment, *from_s, *to_s);
         length_s += to_s - from_s;
     }
     sum / length_s
 }
 
-/// Torque of drive and surroundings.
+/// Torque of the surroundings.
 struct Outside<'a> {
     model: &'a Model,
 }
 
 impl Outside<'_> {
     fn mean(&self, pieces: &[Piece<'_>]) -> f64 {
-        let (mut sum, mut length_s) = (0.0, 0.0);
-        for (segment, from_s, to_s) in pieces {
+        mean_over(pieces, |segment, from_s, to_s| {
             let middle_s = segment.start_s + 0.5 * (from_s + to_s);
             let shaken = self.model.vibration.map_or(0.0, |vibration| vibration.torque(middle_s));
-            sum += (to_s - from_s) * (segment.torque.mean(*from_s, *to_s) + segment.external_torque + shaken);
-            length_s += to_s - from_s;
-        }
-        sum / length_s
+            segment.external_torque + shaken
+        })
     }
 }
 

@@ -17,7 +17,7 @@ impl Prepared {
             Path::Four(stored) => self.respond(base, stored, driven),
             Path::Five(stored) => self.respond(base, stored, driven),
             Path::Six(stored) => self.respond(base, stored, driven),
-            Path::Seven(stored) => self.respond(base, stored, driven),
+            Path::Most(stored) => self.respond(base, stored, driven),
         }
     }
 
@@ -46,7 +46,7 @@ impl Prepared {
             Path::Four(stored) => self.simulated(stored, driven, noise, horizon),
             Path::Five(stored) => self.simulated(stored, driven, noise, horizon),
             Path::Six(stored) => self.simulated(stored, driven, noise, horizon),
-            Path::Seven(stored) => self.simulated(stored, driven, noise, horizon),
+            Path::Most(stored) => self.simulated(stored, driven, noise, horizon),
         }
     }
 
@@ -91,7 +91,7 @@ impl Prepared {
             Path::Four(stored) => adjoint(stored, innovations, grid, holds),
             Path::Five(stored) => adjoint(stored, innovations, grid, holds),
             Path::Six(stored) => adjoint(stored, innovations, grid, holds),
-            Path::Seven(stored) => adjoint(stored, innovations, grid, holds),
+            Path::Most(stored) => adjoint(stored, innovations, grid, holds),
         }
     }
 

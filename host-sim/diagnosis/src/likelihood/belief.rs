@@ -1,18 +1,21 @@
 //! One substep of the belief: an assumed-density (Gaussian) Kalman prediction of the rotor and what hangs on it.
 //!
 //! State: position, speed, rounding of the sensor, then what the machine has of twist and twist rate of a shaft, bristle torque
-//! of dry friction, torque of the fluid's spring. Torques are averages over the substep; position torques act in its middle
-//! (Verlet); linear drag is exact; dry friction is the proximal step of `gaussian`.
+//! of dry friction, torque of the fluid's spring, heat in friction and fluid. Torques are averages over the substep; position
+//! torques act in its middle (Verlet); linear drag is exact; dry friction is the proximal step of `gaussian`.
 
 // Matrices are read by their indices, as the equations have them.
 #![allow(clippy::needless_range_loop)]
 
-use plant::laws::{Friction, PositionTorque, ShaftLaw};
+mod covariance;
+
+use plant::effects::Warming;
+use plant::laws::{Friction, PositionTorque, Ripple, ShaftLaw};
 use plant::{FluidResponse, Model};
 
 use super::acting::Acting;
-use super::gaussian::{Thresholded, soft_threshold};
-use super::noise::{Noise, Rounding};
+use super::gaussian::soft_threshold;
+pub(crate) use covariance::Linear;
 
 /// Places of the states that every machine has.
 pub(crate) const POSITION: usize = 0;
@@ -26,11 +29,16 @@ pub(crate) const BASE: usize = 3;
 pub(crate) struct Laws {
     pub(super) friction: Friction,
     pub(super) position: PositionTorque,
+    pub(super) ripple: Ripple,
     pub(super) shaft: Option<ShaftLaw>,
     /// Stiffness and place of the fluid's spring.
     spring: Option<(f64, usize)>,
     pub(super) bristle: Option<usize>,
     twist: Option<usize>,
+    /// What warming takes from viscous friction, and the place of its heat.
+    pub(super) friction_warming: Option<(Warming, usize)>,
+    /// The same of the fluid.
+    fluid_warming: Option<(Warming, usize)>,
     /// Limit of the fluid's viscous torque, N m.
     viscous_limit: f64,
     pub(super) inertia: f64,
@@ -43,6 +51,8 @@ pub(crate) struct Laws {
 pub(crate) struct Substep {
     pub(crate) dt_s: f64,
     pub(crate) torque: f64,
+    /// Of that, the drive's before its ripple, N m.
+    pub(crate) drive: f64,
     pub(crate) level: f64,
     pub(crate) viscosity: f64,
 }
@@ -51,7 +61,8 @@ impl Substep {
     #[inline]
     pub(crate) fn of(acting: &Acting, index: usize, dt_s: f64) -> Self {
         let at = |values: &[f64]| values.get(index).copied().unwrap_or(0.0);
-        Self { dt_s, torque: acting.torque[index], level: at(&acting.level), viscosity: at(&acting.viscosity) }
+        let (torque, drive) = (acting.torque[index], acting.drive[index]);
+        Self { dt_s, torque, drive, level: at(&acting.level), viscosity: at(&acting.viscosity) }
     }
 }
 
@@ -68,21 +79,57 @@ struct Free {
     shaft: (f64, f64),
     /// Slope of the position's torque.
     slope: f64,
+    /// Coefficient of all that is linear in the speed, and of that what warming weakens.
+    viscous: (f64, f64),
+    /// Slopes of the bristle's torque over its state and the speed.
+    bristle: (f64, f64),
+    /// Slopes of the spring's torque over its state and the speed.
+    spring: (f64, f64),
+    /// Torque of bristle and spring.
+    elastic: f64,
 }
 
 impl Laws {
     pub(crate) fn new(model: &Model) -> Self {
-        let shaft = model.shaft.as_ref().and_then(|shaft| ShaftLaw::new(shaft, model.inertia));
+        // Without `..`: a field that an effect adds has to be thought of here.
+        let Model {
+            inertia,
+            coulomb: _,
+            viscous: _,
+            torque_gain: _,
+            torque_offset: _,
+            torque_limit: _,
+            torque_deadband: _,
+            torque_delay_s: _,
+            torque_lag_s: _,
+            er,
+            stribeck: _,
+            asymmetry: _,
+            presliding_stiffness,
+            load_friction: _,
+            viscous_warming,
+            quadratic_drag: _,
+            cogging: _,
+            torque_ripple: _,
+            gravity: _,
+            spring_stiffness: _,
+            shaft,
+            pulses: _,
+            vibration: _,
+            sensor: _,
+        } = model;
+        let shaft = shaft.as_ref().and_then(|shaft| ShaftLaw::new(shaft, *inertia));
         let mut states = BASE;
         let mut place = |many: usize| {
             states += many;
             states - many
         };
         let twist = shaft.map(|_| place(2));
-        let bristle = model.presliding_stiffness.map(|_| place(1));
-        let er = model.er.as_ref();
-        let spring = er.and_then(|er| er.preyield_stiffness).map(|stiffness| (stiffness, place(1)));
-        let viscous_limit = match er.map(|er| er.response) {
+        let bristle = presliding_stiffness.map(|_| place(1));
+        let spring = er.as_ref().and_then(|er| er.preyield_stiffness).map(|stiffness| (stiffness, place(1)));
+        let friction_warming = viscous_warming.map(|warming| (warming, place(1)));
+        let fluid_warming = er.as_ref().and_then(|er| er.warming).map(|warming| (warming, place(1)));
+        let viscous_limit = match er.as_ref().map(|er| er.response) {
             Some(
                 FluidResponse::ViscosityDeadTime { torque_limit, .. }
                 | FluidResponse::ViscosityLag { torque_limit, .. },
@@ -92,7 +139,10 @@ impl Laws {
         Self {
             friction: Friction::new(model),
             position: PositionTorque::new(model),
-            inertia: shaft.map_or(model.inertia, |shaft| shaft.motor_inertia),
+            ripple: Ripple::new(model),
+            friction_warming,
+            fluid_warming,
+            inertia: shaft.map_or(*inertia, |shaft| shaft.motor_inertia),
             shaft,
             spring,
             bristle,
@@ -107,8 +157,9 @@ impl Laws {
         self.inertia.recip()
     }
 
-    /// Standard deviations of the states at the start of a recording, given those of position and speed and the torque scale.
-    pub(crate) fn spread(&self, position: f64, speed: f64, torque: f64) -> Vec<f64> {
+    /// Standard deviations of the states at the start of a recording, given those of position and speed and the torque scale;
+    /// the machine is `cold` at the start of a recording, and as warm as it may be within one.
+    pub(crate) fn spread(&self, position: f64, speed: f64, torque: f64, cold: bool) -> Vec<f64> {
         let mut spread = vec![0.0; self.states];
         (spread[POSITION], spread[SPEED]) = (position, speed);
         if let (Some(at), Some(shaft)) = (self.twist, &self.shaft) {
@@ -117,6 +168,9 @@ impl Laws {
         }
         for at in self.bristle.into_iter().chain(self.spring.map(|(_, at)| at)) {
             spread[at] = torque;
+        }
+        for (warming, at) in self.friction_warming.iter().chain(&self.fluid_warming) {
+            spread[*at] = if cold || warming.per_j == 0.0 { 0.0 } else { warming.per_j.recip() };
         }
         spread
     }
@@ -127,24 +181,29 @@ impl Laws {
         let (w, dt_s) = (x[SPEED], step.dt_s);
         let sign = if w < 0.0 { -1.0 } else { 1.0 };
         let middle = x[POSITION] + 0.5 * dt_s * w;
-        let (mut viscous, mut level) = (self.friction.viscous(sign), 0.0);
-        if step.viscosity > 0.0 {
-            if step.viscosity * w.abs() > self.viscous_limit {
+        let (share, fluid_share) = self.shares(x);
+        let (fluid_level, fluid_viscosity) = (fluid_share * step.level, fluid_share * step.viscosity);
+        let warm = share * self.friction.viscous(sign);
+        let (mut viscous, mut level) = (warm, 0.0);
+        if fluid_viscosity > 0.0 {
+            if fluid_viscosity * w.abs() > self.viscous_limit {
                 level += self.viscous_limit;
             } else {
-                viscous += step.viscosity;
+                viscous += fluid_viscosity;
             }
         }
-        let mut torque = step.torque + self.position.torque(middle);
+        let drive = step.drive * self.ripple.gain(middle);
+        let load = self.friction.of_load(drive);
+        let mut torque = step.torque + (drive - step.drive) + self.position.torque(middle);
         let mut shaft = (0.0, 0.0);
         if let (Some(at), Some(law)) = (self.twist, &self.shaft) {
             let bent = soft_threshold(x[at] + 0.5 * dt_s * x[at + 1], twist_sd, law.half_gap, law.half_gap);
             shaft = (law.stiffness * bent.mean + law.damping * bent.slope * x[at + 1], bent.slope);
             torque += shaft.0;
         }
-        let dry = |sign: f64| if self.bristle.is_some() { 0.0 } else { self.friction.coulomb(sign) };
+        let dry = |sign: f64| if self.bristle.is_some() { 0.0 } else { self.friction.coulomb(sign) + load };
         let half = 0.5 * dt_s / self.inertia;
-        let held = half * (level + dry(sign) + if self.spring.is_some() { 0.0 } else { step.level });
+        let held = half * (level + dry(sign) + if self.spring.is_some() { 0.0 } else { fluid_level });
         // What bends over speed is taken at the speed in the middle of the substep.
         let sliding = w + half * (torque - viscous * w);
         let between = if sliding.abs() > held { sliding - held.copysign(sliding) } else { 0.0 };
@@ -153,17 +212,29 @@ impl Laws {
         let kept = if decay > 0.0 { (-decay).exp() } else { 1.0 };
         let gain = if decay > 1e-9 { (1.0 - kept) / viscous } else { dt_s / self.inertia };
         let excess = self.friction.excess(between);
-        if let Some(at) = self.bristle {
+        // Bristle and spring are taken as bent in the middle of the substep: at its start they would lag by half of it.
+        let mut elastic = 0.0;
+        let (mut bristle, mut spring) = ((0.0, 0.0), (0.0, 0.0));
+        if let (Some(at), Some(stiffness)) = (self.bristle, self.friction.stiffness()) {
             let coulomb = 0.5 * (self.friction.coulomb(1.0) + self.friction.coulomb(-1.0));
-            torque -= x[at] * (1.0 + excess / coulomb.max(f64::MIN_POSITIVE));
+            let more = 1.0 + (excess + load) / coulomb.max(f64::MIN_POSITIVE);
+            let travel = 0.5 * dt_s * w;
+            let level = self.friction.coulomb(sign).max(f64::MIN_POSITIVE);
+            let kept = (-stiffness * travel.abs() / level).exp();
+            elastic += more * self.friction.bristle_after(travel.signum(), x[at], travel);
+            bristle = (more * kept, more * 0.5 * dt_s * stiffness * kept * (1.0 - sign * x[at] / level));
         } else {
             level += excess;
         }
-        if let Some((_, at)) = self.spring {
-            torque -= x[at];
+        if let Some((stiffness, at)) = self.spring {
+            let bent = x[at] + 0.5 * dt_s * stiffness * w;
+            elastic += bent.clamp(-fluid_level.abs(), fluid_level.abs());
+            let inside = f64::from(bent.abs() < fluid_level);
+            spring = (inside, inside * 0.5 * dt_s * stiffness);
         } else {
-            level += step.level;
+            level += fluid_level;
         }
+        torque -= elastic;
         Free {
             speed: kept * w + gain * torque,
             gain,
@@ -171,8 +242,29 @@ impl Laws {
             up: gain * (level + dry(1.0)).max(0.0),
             down: gain * (level + dry(-1.0)).max(0.0),
             shaft,
-            slope: self.position.slope(middle),
+            slope: self.position.slope(middle) + step.drive * self.ripple.slope(middle),
+            viscous: (viscous, warm),
+            elastic,
+            bristle,
+            spring,
         }
+    }
+
+    /// What warming has left of viscous friction and of the fluid, 1.
+    #[inline]
+    fn shares(&self, x: &[f64]) -> (f64, f64) {
+        let share = |warming: &Option<(Warming, usize)>| warming.map_or(1.0, |(warming, at)| warming.share(x[at]));
+        (share(&self.friction_warming), share(&self.fluid_warming))
+    }
+
+    /// Power that the drag turns into heat at a speed, W, and its slope over the speed.
+    fn power(&self, free: &Free, w: f64) -> (f64, f64) {
+        let level = if w < 0.0 { free.down } else { free.up } / free.gain;
+        let (viscous, _) = free.viscous;
+        (
+            ((viscous * w.abs() + level) * w.abs()) + free.elastic * w,
+            (2.0 * viscous * w.abs() + level).copysign(w) + free.elastic,
+        )
     }
 
     /// The mean of the state at the end of a substep, for a belief whose free speed spreads by `speed_sd` and whose twist by
@@ -198,7 +290,12 @@ impl Laws {
             next[at] = self.friction.bristle_after(travel.signum(), x[at], travel);
         }
         if let Some((stiffness, at)) = self.spring {
-            next[at] = (x[at] + stiffness * travel).clamp(-step.level, step.level);
+            let level = self.shares(x).1 * step.level;
+            next[at] = (x[at] + stiffness * travel).clamp(-level, level);
+        }
+        for (warming, at) in self.friction_warming.iter().chain(&self.fluid_warming) {
+            let (power_w, _) = self.power(free, travel / dt_s);
+            (next[*at], _) = warming.after(x[*at], power_w, dt_s);
         }
         next
     }
@@ -209,174 +306,6 @@ impl Laws {
         if let Some(at) = self.twist {
             inside[at] += next[POSITION] - position;
             inside[at + 1] += next[SPEED] - speed;
-        }
-    }
-
-    /// Moves mean and covariance through a substep with torque noise and the rounding's change over the travel; returns what a
-    /// linearised pass needs.
-    #[inline]
-    pub(crate) fn predict<const N: usize>(
-        &self,
-        x: &mut [f64; N],
-        p: &mut [[f64; N]; N],
-        step: &Substep,
-        noise: &Noise,
-        rounding: &Rounding,
-    ) -> Linear<N> {
-        let torque_variance = noise.torque_variance(step.dt_s);
-        let twist_sd = self.twist.map_or(0.0, |at| p[at][at].max(0.0).sqrt());
-        let free = self.free(x, step, twist_sd);
-        let row = self.row(step, &free);
-        let mut variance = free.gain * free.gain * torque_variance;
-        for i in 0..N {
-            for j in 0..N {
-                variance += row[i] * p[i][j] * row[j];
-            }
-        }
-        let speed_sd = variance.max(1e-300).sqrt();
-        let speed = soft_threshold(free.speed, speed_sd, free.up, free.down);
-        let (mut jacobian, push) = self.jacobian(x, step, &free, &row, &speed);
-        let next = self.moved(x, step, &free, speed.mean);
-        let kept = rounding.kept(next[POSITION] - x[POSITION]);
-        jacobian[ROUNDING][ROUNDING] = kept;
-        *x = next;
-        x[ROUNDING] *= kept;
-        spread(p, &jacobian);
-        self.stir(p, step.dt_s, push[SPEED] * push[SPEED] * torque_variance + speed.rest);
-        p[ROUNDING][ROUNDING] += (1.0 - kept * kept) * rounding.variance;
-        Linear { jacobian, push, gain: free.gain, speed_sd, twist_sd }
-    }
-
-    /// Widens a covariance over a substep along a linearised path.
-    pub(crate) fn widen<const N: usize>(&self, p: &mut [[f64; N]; N], linear: &Linear<N>, dt_s: f64, noise: &Noise) {
-        spread(p, &linear.jacobian);
-        self.stir(p, dt_s, linear.push[SPEED] * linear.push[SPEED] * noise.torque_variance(dt_s));
-    }
-
-    /// d free speed / d state.
-    #[inline]
-    fn row<const N: usize>(&self, step: &Substep, free: &Free) -> [f64; N] {
-        let mut row = [0.0; N];
-        let half_s = 0.5 * step.dt_s;
-        row[POSITION] = free.gain * free.slope;
-        row[SPEED] = free.kept + free.gain * free.slope * half_s;
-        if let (Some(at), Some(law)) = (self.twist, &self.shaft) {
-            row[at] = free.gain * law.stiffness * free.shaft.1;
-            row[at + 1] = free.gain * free.shaft.1 * (law.stiffness * half_s + law.damping);
-        }
-        for at in self.bristle.into_iter().chain(self.spring.map(|(_, at)| at)) {
-            row[at] = -free.gain;
-        }
-        row
-    }
-
-    /// d state at the end / d state at the start, and / d torque.
-    // Over 40 lines: one block for each state.
-    fn jacobian<const N: usize>(
-        &self,
-        x: &[f64; N],
-        step: &Substep,
-        free: &Free,
-        row: &[f64; N],
-        speed: &Thresholded,
-    ) -> ([[f64; N]; N], [f64; N]) {
-        let half_s = 0.5 * step.dt_s;
-        let mut f = [[0.0; N]; N];
-        for (i, line) in f.iter_mut().enumerate() {
-            line[i] = 1.0;
-        }
-        for j in 0..N {
-            f[SPEED][j] = speed.slope * row[j];
-            f[POSITION][j] += half_s * f[SPEED][j];
-        }
-        f[POSITION][SPEED] += half_s;
-        let mut push = [0.0; N];
-        push[SPEED] = speed.slope * free.gain;
-        push[POSITION] = half_s * push[SPEED];
-        if let (Some(at), Some(law)) = (self.twist, &self.shaft) {
-            let pull = step.dt_s * law.per_load_inertia * free.shaft.1;
-            for j in 0..N {
-                f[at + 1][j] -= f[SPEED][j];
-            }
-            f[at + 1][SPEED] += 1.0;
-            f[at + 1][at] -= pull * law.stiffness;
-            f[at + 1][at + 1] -= pull * (law.stiffness * half_s + law.damping);
-            for j in 0..N {
-                f[at][j] += half_s * f[at + 1][j];
-            }
-            f[at][at + 1] += half_s;
-            (push[at], push[at + 1]) = (-push[POSITION], -push[SPEED]);
-        }
-        let travel = half_s * (x[SPEED] + speed.mean);
-        let mut follows = |at: usize, kept: f64, per_travel: f64| {
-            for j in 0..N {
-                let moved = f[POSITION][j] - f64::from(j == POSITION);
-                f[at][j] = per_travel * moved + if j == at { kept } else { 0.0 };
-            }
-            push[at] = per_travel * push[POSITION];
-        };
-        if let (Some(at), Some(stiffness)) = (self.bristle, self.friction.stiffness()) {
-            let sign = travel.signum();
-            let level = self.friction.coulomb(sign).max(f64::MIN_POSITIVE);
-            let kept = (-stiffness * travel.abs() / level).exp();
-            follows(at, kept, stiffness * kept * (1.0 - sign * x[at] / level));
-        }
-        if let Some((stiffness, at)) = self.spring {
-            let inside = f64::from((x[at] + stiffness * travel).abs() < step.level);
-            follows(at, inside, inside * stiffness);
-        }
-        (f, push)
-    }
-
-    /// Adds a speed noise of variance `white` with what it moves within the substep.
-    #[inline]
-    fn stir<const N: usize>(&self, p: &mut [[f64; N]; N], dt_s: f64, white: f64) {
-        let mut by = [0.0; N];
-        (by[POSITION], by[SPEED]) = (0.5 * dt_s, 1.0);
-        if let Some(at) = self.twist {
-            (by[at], by[at + 1]) = (-0.5 * dt_s, -1.0);
-        }
-        for i in 0..N {
-            for j in 0..N {
-                p[i][j] += white * by[i] * by[j];
-            }
-        }
-    }
-}
-
-/// What a linearised pass needs of a substep.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Linear<const N: usize> {
-    pub(crate) jacobian: [[f64; N]; N],
-    /// Response of the state to a torque of one.
-    pub(crate) push: [f64; N],
-    /// Response of the speed to a torque of one, were there no dry friction.
-    pub(crate) gain: f64,
-    pub(crate) speed_sd: f64,
-    pub(crate) twist_sd: f64,
-}
-
-/// P = F P F'.
-#[inline]
-fn spread<const N: usize>(p: &mut [[f64; N]; N], f: &[[f64; N]; N]) {
-    let mut half = [[0.0; N]; N];
-    for i in 0..N {
-        for j in 0..N {
-            let mut sum = 0.0;
-            for k in 0..N {
-                sum += f[i][k] * p[k][j];
-            }
-            half[i][j] = sum;
-        }
-    }
-    for i in 0..N {
-        for j in 0..=i {
-            let mut sum = 0.0;
-            for k in 0..N {
-                sum += half[i][k] * f[j][k];
-            }
-            p[i][j] = sum;
-            p[j][i] = sum;
         }
     }
 }

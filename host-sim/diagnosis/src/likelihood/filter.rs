@@ -15,8 +15,8 @@ use crate::recorded::Recorded;
 /// specification's figure; 6e-5 of normal innovations lie beyond.
 pub(crate) const HUBER: f64 = 4.0;
 
-/// Largest number of states: the three of every recording, shaft, bristle, spring.
-pub(super) const MOST_STATES: usize = BASE + 4;
+/// Largest number of states: the three of every recording, shaft, bristle, spring, heat of friction and of the fluid.
+pub(super) const MOST_STATES: usize = BASE + 6;
 
 /// Minus twice the log-likelihood of a whitened innovation, but for its variance: squares, straight beyond the Huber limit.
 #[inline]
@@ -50,7 +50,7 @@ pub(crate) enum Path {
     Four(Stored<4>),
     Five(Stored<5>),
     Six(Stored<6>),
-    Seven(Stored<7>),
+    Most(Stored<MOST_STATES>),
 }
 
 /// A path with its number of states.
@@ -164,7 +164,7 @@ impl Prepared {
             4 => path!(4, Four),
             5 => path!(5, Five),
             6 => path!(6, Six),
-            _ => path!(MOST_STATES, Seven),
+            _ => path!(MOST_STATES, Most),
         }
     }
 
@@ -182,7 +182,7 @@ impl Prepared {
             counted: Vec::with_capacity(rows),
         };
         let start = Start::of(recorded, &range);
-        let (mut x, mut p) = self.begin::<N>(&start, noise);
+        let (mut x, mut p) = self.begin::<N>(&start, range.start == 0, noise);
         let mut lost = Lost::default();
         let settled_s = recorded.t_s[range.start] + start.settling_s;
         for row in range.clone() {
@@ -252,11 +252,11 @@ impl Prepared {
         found
     }
 
-    fn begin<const N: usize>(&self, start: &Start, noise: &Noise) -> ([f64; N], [[f64; N]; N]) {
+    fn begin<const N: usize>(&self, start: &Start, cold: bool, noise: &Noise) -> ([f64; N], [[f64; N]; N]) {
         let (mut x, mut p) = ([0.0; N], [[0.0; N]; N]);
         (x[POSITION], x[SPEED]) = (start.position, start.speed);
         let position_sd = start.position_sd.max((noise.sensor_sd * noise.sensor_sd + self.rounding.variance).sqrt());
-        let spread = self.laws.spread(position_sd, start.speed_sd, start.torque_rms);
+        let spread = self.laws.spread(position_sd, start.speed_sd, start.torque_rms, cold);
         for (i, sd) in spread.iter().enumerate() {
             p[i][i] = sd * sd;
         }

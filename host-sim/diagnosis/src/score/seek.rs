@@ -8,6 +8,7 @@ use rustfft::num_complex::Complex;
 
 use crate::effects::Excitation;
 use crate::hypothesis::{Kept, KeptRecording};
+use crate::likelihood::Grid;
 use crate::likelihood::filter::HUBER;
 use crate::likelihood::inverse::Motion;
 use crate::physics::Tone;
@@ -31,7 +32,9 @@ pub(crate) fn seek(problem: &Problem, path: &Kept) -> Excitation {
     };
     let (missing, if_free) = (missing(true), missing(false));
     let mut excitation = problem.excitation.clone();
-    excitation.orders = orders(&missing, &problem.excitation);
+    excitation.orders = orders(&missing, &problem.excitation, |_, _| 1.0);
+    // A ripple's missing torque goes along with the drive's.
+    excitation.ripple_orders = orders(&missing, &problem.excitation, |one, row| one.drive[row]);
     excitation.tones = tones(&missing, excitation.recordings);
     excitation.pulses = pushes(&if_free, problem.motions.first().map_or(0.0, Motion::support_s));
     excitation.glitch = glitch(path);
@@ -53,6 +56,7 @@ fn of_recording<'a>(
     let sum = |row: usize| fine[grid.first[row] as usize..grid.first[row + 1] as usize].iter().sum();
     Missing {
         torque: (0..grid.dt_s.len()).map(sum).collect(),
+        drive: mean_over_rows(&kept.acting.drive, grid),
         position: &kept.innovations.position,
         t_s: &problem.recordings[index].t_s,
     }
@@ -81,12 +85,23 @@ fn glitch(path: &Kept) -> Option<(f64, f64)> {
 
 struct Missing<'a> {
     torque: Vec<f64>,
+    /// The drive's, N m (N).
+    drive: Vec<f64>,
     position: &'a [f64],
     t_s: &'a [f64],
 }
 
-/// Orders at which the missing torque stands out of its neighbours, best first.
-fn orders(missing: &[Missing<'_>], excitation: &Excitation) -> Vec<f64> {
+/// One value a row from one a substep.
+fn mean_over_rows(values: &[f64], grid: &Grid) -> Vec<f64> {
+    let row = |pair: &[u32]| {
+        let of = &values[pair[0] as usize..pair[1] as usize];
+        of.iter().sum::<f64>() / of.len().max(1) as f64
+    };
+    grid.first.windows(2).map(row).collect()
+}
+
+/// Orders at which the missing torque, with a weight of its row, stands out of its neighbours, best first.
+fn orders(missing: &[Missing<'_>], excitation: &Excitation, weight: impl Fn(&Missing<'_>, usize) -> f64) -> Vec<f64> {
     if excitation.travel <= 0.0 {
         return Vec::new();
     }
@@ -98,8 +113,9 @@ fn orders(missing: &[Missing<'_>], excitation: &Excitation) -> Vec<f64> {
         .map(|order| {
             let (mut sine, mut cosine) = (0.0, 0.0);
             for one in missing {
-                for (torque, position) in one.torque.iter().zip(one.position) {
+                for (row, (torque, position)) in one.torque.iter().zip(one.position).enumerate() {
                     let (s, c) = (order * position).sin_cos();
+                    let torque = torque * weight(one, row);
                     sine += torque * s;
                     cosine += torque * c;
                 }

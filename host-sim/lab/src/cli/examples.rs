@@ -21,6 +21,9 @@ Example:
 pub(super) const COMPARE: &str = "\
 Example:
   servo-lab compare --machine machine.toml --plots out run1.csv run2.csv";
+pub(super) const DELAYS: &str = "\
+Example:
+  servo-lab delays --machine machine.toml --plot delays.svg step30.csv step20.csv step10.csv --holdout step25.csv";
 pub(super) const DECODE: &str = "\
 Example:
   servo-lab decode --elf er-servo rtt.bin --out run.csv";

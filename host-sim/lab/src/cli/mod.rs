@@ -3,6 +3,7 @@
 mod compare;
 mod convert;
 mod decode;
+mod delays;
 mod demo;
 mod diagnose;
 mod doctor;
@@ -75,6 +76,9 @@ enum Command {
     /// Find what the model leaves out of the recordings, with its parameters, or say that they cannot tell.
     #[command(after_help = format!("{}\n\n{EXIT_CODES}", examples::DIAGNOSE))]
     Diagnose(diagnose::Args),
+    /// Rank the delays a fluid can have, none to dead time and lag of its field, and say what would tell them apart.
+    #[command(after_help = examples::DELAYS)]
+    Delays(delays::Args),
     /// Diagnose machines with concealed effects, blind, and count what was found.
     #[command(after_help = examples::PROVE)]
     Prove(prove::Args),
@@ -138,6 +142,7 @@ impl Cli {
             Command::Help(args) => help::help(args),
             Command::Completions(args) => help::completions(args),
             Command::Man(args) => help::man(args),
+            Command::Delays(args) => delays::run(args),
             Command::Convert(args) => convert::run(args),
             Command::Doctor(args) => doctor::run(args),
             Command::Init(args) => init::run(args),

@@ -58,6 +58,12 @@ impl Signal {
         self.slope - self.rate * self.amplitude * (-self.rate * dt_s).exp()
     }
 
+    /// First time after the start at which a signal without a ramp passes zero, s.
+    pub(crate) fn zero_s(&self) -> Option<f64> {
+        let ratio = -self.amplitude / self.base;
+        (self.slope == 0.0 && ratio > 1.0 && self.rate > 0.0).then(|| ratio.ln() / self.rate)
+    }
+
     /// The same signal seen from `dt_s` later.
     #[inline]
     pub(crate) fn rebased(&self, dt_s: f64) -> Self {

@@ -1,5 +1,6 @@
 //! Friction as a function of speed and direction: `coulomb_friction`, `viscous_friction`, `stribeck_friction`,
-//! `friction_asymmetry`, `quadratic_drag`; and dry friction as a bristle: `presliding`.
+//! `friction_asymmetry`, `quadratic_drag`; and of the load: `load_dependent_friction`; and dry friction as a bristle:
+//! `presliding`.
 
 use crate::model::{check, finite, not_negative, positive};
 use crate::{Error, Model};
@@ -39,7 +40,13 @@ pub(crate) fn validate(model: &Model) -> Result<(), Error> {
         not_negative("stribeck_friction.excess", stribeck.excess)?;
         positive("stribeck_friction.velocity", stribeck.velocity)?;
     }
-    model.presliding_stiffness.map_or(Ok(()), |stiffness| positive("presliding.stiffness", stiffness))
+    let (per_load, bristle) = (model.load_friction, model.presliding_stiffness);
+    let key = "load_dependent_friction.coefficient";
+    check(key, per_load, (0.0..1.0).contains(&per_load), "0 or above and below 1, or no torque would move the rotor")?;
+    let carried = per_load == 0.0 || bristle.is_none() || model.coulomb > 0.0;
+    check(key, per_load, carried, "0 for a bristle without a Coulomb level, which it scales")?;
+    model.viscous_warming.map_or(Ok(()), |warming| warming.validate("temperature_viscosity"))?;
+    bristle.map_or(Ok(()), |stiffness| positive("presliding.stiffness", stiffness))
 }
 
 /// The fastest time constant that is followed, s, a tenth of the fastest sampling: what is faster has settled long before the
@@ -61,6 +68,8 @@ const BEYOND: f64 = 7.0;
 #[derive(Debug, Clone, Copy)]
 pub struct Friction {
     coulomb: [f64; 2],
+    /// Dry drag for each N m of the drive's torque, 1.
+    per_load: f64,
     viscous: [f64; 2],
     stribeck: Stribeck,
     /// One over the Stribeck velocity, s/rad.
@@ -79,6 +88,7 @@ impl Friction {
         let stribeck = model.stribeck.unwrap_or(Stribeck { excess: 0.0, velocity: 1.0 });
         Self {
             coulomb: by_direction(model.coulomb, model.asymmetry.coulomb),
+            per_load: model.load_friction,
             viscous: by_direction(model.viscous, model.asymmetry.viscous),
             stribeck,
             per_velocity: stribeck.velocity.recip(),
@@ -120,9 +130,20 @@ impl Friction {
         self.stiffness.is_some()
     }
 
-    /// Largest dry drag that holds at standstill against a push of that sign, N m.
-    pub(crate) fn hold(&self, sign: f64) -> f64 {
-        if self.is_bristle() { 0.0 } else { self.coulomb(sign) + self.stribeck.excess }
+    /// Dry drag that a torque of the drive adds to the Coulomb level, N m.
+    #[inline]
+    pub fn of_load(&self, drive_torque: f64) -> f64 {
+        self.per_load * drive_torque.abs()
+    }
+
+    /// Whether the drag depends on the drive's torque.
+    pub(crate) fn follows_load(&self) -> bool {
+        self.per_load != 0.0
+    }
+
+    /// Largest dry drag that holds at standstill against a push of that sign with that torque of the drive, N m.
+    pub(crate) fn hold(&self, sign: f64, drive_torque: f64) -> f64 {
+        if self.is_bristle() { 0.0 } else { self.coulomb(sign) + self.stribeck.excess + self.of_load(drive_torque) }
     }
 
     /// What dry friction has over its Coulomb level at that speed (Stribeck), N m.
@@ -146,18 +167,19 @@ impl Friction {
         self.stiffness
     }
 
-    /// Drag torque, signed like the motion, N m; `bristle` is the force of the bristle, used where there is one.
+    /// Drag torque, signed like the motion, N m; `bristle` is the force of the bristle, used where there is one, `viscous_share`
+    /// what warming has left of the viscous coefficient.
     #[inline]
-    pub(crate) fn torque(&self, sign: f64, w: f64, bristle: f64) -> f64 {
-        let mut torque = self.viscous(sign) * w;
+    pub(crate) fn torque(&self, sign: f64, w: f64, bristle: f64, drive_torque: f64, viscous_share: f64) -> f64 {
+        let mut torque = viscous_share * self.viscous(sign) * w;
         if self.quadratic != 0.0 {
             torque += self.quadratic(sign, w).0;
         }
-        let excess = self.excess(w);
+        let excess = self.excess(w) + self.of_load(drive_torque);
         if self.stiffness.is_none() {
             torque += sign * (self.coulomb(sign) + excess);
         } else {
-            // The excess scales the bristle's force, so that the force stays continuous at reversal.
+            // Excess and load scale the bristle's force, so that the force stays continuous at reversal.
             torque += bristle * (1.0 + excess / self.mean_coulomb().max(f64::MIN_POSITIVE));
         }
         torque

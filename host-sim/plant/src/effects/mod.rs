@@ -7,8 +7,10 @@ pub(crate) mod disturbance;
 pub(crate) mod friction;
 pub(crate) mod position;
 pub(crate) mod shaft;
+pub(crate) mod warming;
 
 pub use disturbance::{Pulse, Vibration};
 pub use friction::{Asymmetry, Stribeck};
 pub use position::{Gravity, Harmonic};
 pub use shaft::Shaft;
+pub use warming::Warming;

@@ -7,8 +7,9 @@ use super::events::{Balance, Flow};
 use super::fluid::{FluidInput, FluidLaw, FluidRegime};
 use super::phi::{field_moments, moments};
 use super::state::State;
+use crate::effects::Harmonic;
 use crate::effects::friction::Friction;
-use crate::{FluidResponse, Model, Segment};
+use crate::{Er, FieldResponse, FluidResponse, Model, Segment};
 
 /// Nominal machine: Coulomb and viscous friction, each with its own level a direction, and a fluid that is a field or a
 /// held viscosity.
@@ -35,22 +36,59 @@ impl Exact {
 
     /// Whether a model is within what this file solves.
     pub(crate) fn covers(model: &Model) -> bool {
-        let field = model.er.as_ref().is_none_or(|er| {
-            let shape = match er.response {
-                FluidResponse::Field(field) => field.slew_kv_mm_s.is_none(),
-                FluidResponse::ViscosityDeadTime { .. } => true,
-                FluidResponse::ViscosityLag { lag_s, .. } => lag_s == 0.0,
-            };
-            shape && er.drift_per_s == 0.0 && er.preyield_stiffness.is_none()
-        });
-        let friction = model.stribeck.is_none_or(|stribeck| stribeck.excess == 0.0)
-            && model.presliding_stiffness.is_none()
-            && model.quadratic_drag == 0.0;
-        let position = model.cogging.iter().all(|harmonic| harmonic.amplitude == 0.0)
-            && model.gravity.is_none_or(|gravity| gravity.amplitude == 0.0)
-            && model.spring_stiffness == 0.0;
-        let rigid = model.shaft.is_none_or(|shaft| shaft.inertia_ratio == 0.0);
-        field && friction && position && rigid && model.vibration.is_none_or(|vibration| vibration.amplitude == 0.0)
+        // Without `..`: a field that an effect adds has to be thought of here.
+        let Model {
+            inertia: _,
+            coulomb: _,
+            viscous: _,
+            torque_gain: _,
+            torque_offset: _,
+            torque_limit: _,
+            torque_deadband: _,
+            torque_delay_s: _,
+            torque_lag_s: _,
+            er,
+            stribeck,
+            asymmetry: _,
+            presliding_stiffness,
+            load_friction,
+            viscous_warming,
+            quadratic_drag,
+            cogging,
+            torque_ripple,
+            gravity,
+            spring_stiffness,
+            shaft,
+            pulses: _,
+            vibration,
+            sensor: _,
+        } = model;
+        let still = |harmonics: &[Harmonic]| harmonics.iter().all(|harmonic| harmonic.amplitude == 0.0);
+        let friction = stribeck.is_none_or(|stribeck| stribeck.excess == 0.0)
+            && presliding_stiffness.is_none()
+            && *load_friction == 0.0
+            && viscous_warming.is_none()
+            && *quadratic_drag == 0.0;
+        let position = still(cogging)
+            && still(torque_ripple)
+            && gravity.is_none_or(|gravity| gravity.amplitude == 0.0)
+            && *spring_stiffness == 0.0;
+        let rigid = shaft.is_none_or(|shaft| shaft.inertia_ratio == 0.0);
+        let quiet = vibration.is_none_or(|vibration| vibration.amplitude == 0.0);
+        er.as_ref().is_none_or(Self::covers_fluid) && friction && position && rigid && quiet
+    }
+
+    /// The same of the damper.
+    fn covers_fluid(er: &Er) -> bool {
+        let Er { a: _, b: _, response, field_gain: _, scale: _, drift_per_s, warming, preyield_stiffness } = er;
+        let shape = match response {
+            FluidResponse::Field(FieldResponse { dead_time_s: _, slew_kv_mm_s, rise_s: _, fall_s: _ }) => {
+                slew_kv_mm_s.is_none()
+            }
+            FluidResponse::ViscosityDeadTime { dead_time_s: _, torque_limit: _ } => true,
+            FluidResponse::ViscosityLag { lag_s, torque_limit: _ } => *lag_s == 0.0,
+        };
+        shape && *drift_per_s == 0.0 && warming.is_none() && preyield_stiffness.is_none()
     }
 
     /// The drag from `t` on against motion of that sign, its exponentials counted from there.

@@ -47,6 +47,18 @@ pub(crate) struct FluidInput {
     pub(crate) yield_rate: f64,
 }
 
+impl FluidInput {
+    /// Of a fluid that is weaker by a factor.
+    pub(crate) fn times(self, share: f64) -> Self {
+        Self {
+            level: share * self.level,
+            viscosity: share * self.viscosity,
+            yield_torque: share * self.yield_torque,
+            yield_rate: share * self.yield_rate,
+        }
+    }
+}
+
 impl FluidLaw {
     /// From a validated model.
     pub(crate) fn new(model: &Model) -> Self {

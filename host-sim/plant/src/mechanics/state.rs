@@ -54,6 +54,10 @@ pub struct State {
     pub bristle_torque: f64,
     /// Torque of the fluid's spring below yield, N m (N), signed likewise.
     pub spring_torque: f64,
+    /// Heat above the start that warms the viscous friction, J.
+    pub friction_heat_j: f64,
+    /// Heat above the start that warms the damper's fluid, J.
+    pub fluid_heat_j: f64,
     /// Sliding direction; decides the sign of the drag while the speed passes through zero.
     pub(crate) motion: Motion,
     pub(crate) fluid_regime: FluidRegime,
@@ -62,7 +66,7 @@ pub struct State {
 
 impl State {
     /// At a position, rad (m), with a speed, rad/s (m/s); load in the middle of its gap and moving along, bristles
-    /// unloaded.
+    /// unloaded, everything cold.
     pub fn new(position: f64, velocity: f64) -> Self {
         Self {
             position,
@@ -71,6 +75,8 @@ impl State {
             twist_rate: 0.0,
             bristle_torque: 0.0,
             spring_torque: 0.0,
+            friction_heat_j: 0.0,
+            fluid_heat_j: 0.0,
             motion: Motion::along(velocity),
             fluid_regime: FluidRegime::Free,
             contact: Contact::Always,

@@ -1,7 +1,7 @@
 //! Models and commands the tests of the physics share.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, dead_code)]
 
-use plant::effects::{Asymmetry, Gravity, Harmonic, Pulse, Shaft, Stribeck, Vibration};
+use plant::effects::{Asymmetry, Gravity, Harmonic, Pulse, Shaft, Stribeck, Vibration, Warming};
 use plant::{Command, Er, FieldResponse, FluidResponse, Model, Plant, State};
 
 pub const TICK_S: f64 = 0.0005;
@@ -58,6 +58,13 @@ pub fn every_effect() -> Vec<(&'static str, Model)> {
         ("gravity", Model { gravity: Some(Gravity { amplitude: 1.0, phase_rad: 0.3 }), ..nominal() }),
         ("spring", Model { spring_stiffness: 5.0, ..nominal() }),
         ("quadratic_drag", Model { quadratic_drag: 0.05, ..nominal() }),
+        ("load_dependent_friction", Model { load_friction: 0.15, ..nominal() }),
+        (
+            "temperature_viscosity",
+            Model { viscous: 0.4, viscous_warming: Some(Warming { per_j: 0.3, cooling_per_s: 2.0 }), ..nominal() },
+        ),
+        ("temperature_yield", fluid(|er| er.warming = Some(Warming { per_j: 0.3, cooling_per_s: 2.0 }))),
+        ("torque_ripple", Model { torque_ripple: vec![Harmonic { amplitude: 0.1, ..harmonic }], ..nominal() }),
         ("compliance", Model { shaft: Some(shaft), ..nominal() }),
         ("backlash", Model { shaft: Some(Shaft { gap: 0.002, ..shaft }), ..nominal() }),
         (
@@ -100,6 +107,32 @@ pub fn combinations() -> Vec<(&'static str, Model)> {
             },
         ),
         ("bristles", Model { presliding_stiffness: Some(300.0), stribeck, cogging: vec![harmonic], ..fluid(slow) }),
+        (
+            "warm bristles under load",
+            Model {
+                presliding_stiffness: Some(300.0),
+                load_friction: 0.1,
+                torque_ripple: vec![harmonic],
+                viscous: 0.1,
+                viscous_warming: Some(Warming { per_j: 0.2, cooling_per_s: 1.0 }),
+                ..fluid(|er| {
+                    slow(er);
+                    er.warming = Some(Warming { per_j: 0.1, cooling_per_s: 0.5 });
+                })
+            },
+        ),
+        ("load behind a lag", Model { load_friction: 0.2, torque_lag_s: 0.002, ..nominal() }),
+        // Without the gap: impacts make a difference grow whatever the friction.
+        (
+            "warm load on a shaft",
+            Model {
+                shaft: Some(Shaft { gap: 0.0, ..shaft }),
+                load_friction: 0.1,
+                viscous: 0.1,
+                viscous_warming: Some(Warming { per_j: 0.2, cooling_per_s: 1.0 }),
+                ..nominal()
+            },
+        ),
         ("loose load", Model { shaft: Some(shaft), stribeck, cogging: vec![harmonic], ..fluid(slow) }),
         ("loose load on bristles", Model { shaft: Some(shaft), presliding_stiffness: Some(300.0), ..fluid(slow) }),
         ("viscosity behind a gap", Model { shaft: Some(shaft), torque_lag_s: 0.001, ..with_response(lag) }),
@@ -162,6 +195,15 @@ pub fn vanishing_effects() -> Vec<(&'static str, Model, f64)> {
         ("tiny cogging", Model { cogging: vec![harmonic(tiny)], ..nominal() }, 1e-12),
         ("tiny gravity", Model { gravity: Some(Gravity { amplitude: tiny, phase_rad: 0.1 }), ..nominal() }, 1e-12),
         ("tiny spring", Model { spring_stiffness: tiny, ..nominal() }, 1e-12),
+        ("tiny load friction", Model { load_friction: tiny, ..nominal() }, 1e-12),
+        ("no ripple", Model { torque_ripple: vec![harmonic(0.0)], ..nominal() }, 0.0),
+        ("tiny ripple", Model { torque_ripple: vec![harmonic(tiny)], ..nominal() }, 1e-12),
+        (
+            "warming of nothing",
+            Model { viscous_warming: Some(Warming { per_j: 1.0, cooling_per_s: 1.0 }), ..nominal() },
+            1e-12,
+        ),
+        ("tiny warming", fluid(|er| er.warming = Some(Warming { per_j: tiny, cooling_per_s: 1.0 })), 1e-12),
         ("tiny quadratic drag", Model { quadratic_drag: tiny, ..nominal() }, 1e-12),
         ("no load", Model { shaft: Some(shaft(0.0)), ..nominal() }, 0.0),
         ("tiny load", Model { shaft: Some(shaft(1e-14)), ..nominal() }, 1e-12),

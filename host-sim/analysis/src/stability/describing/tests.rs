@@ -168,16 +168,34 @@ fn cycles_under_the_delay_models_are_those_of_a_simulation() {
     }
 }
 
+/// Amplitudes of the lasting cycles under every model by harmonic balance, with the drive's delay later by so much, and the
+/// amplitude that the flashed law has on the plant.
+fn lasting(later_s: f64) -> Vec<(ModelCycles, Vec<f64>)> {
+    let found = cycles_by_model(&closed(0.002, 0.006 + later_s), &strict_brake(), 0.763, Search::SERVO).unwrap();
+    let amplitudes = |found: &ModelCycles| -> Vec<f64> {
+        found.cycles.iter().filter(|cycle| cycle.stable).map(|cycle| cycle.amplitude_rad).collect()
+    };
+    found.into_iter().map(|found| (found.clone(), amplitudes(&found))).collect()
+}
+
 #[test]
 fn cycles_are_those_of_the_flashed_law_on_the_plant() {
-    for found in cycles_by_model(&closed(0.002, 0.006), &strict_brake(), 0.763, Search::SERVO).unwrap() {
+    // Harmonic balance takes the hold of a command as half a control period T of delay. It is the mean of a delay that runs
+    // evenly from 0 to T and is off it by T / 4 on average. These cycles grow by up to 70 % for a millisecond of delay, so that
+    // this alone is up to 9 % of an amplitude: of Q lag 5 ms, 10.8 mrad by harmonic balance and 11.5 by the run, 0.11 ms.
+    // With a period of 0.25 ms the two are 10.04 and 10.03 mrad.
+    let quarter_s = 0.25 * f64::from(strict_brake().period_s);
+    let (early, late) = (lasting(-quarter_s), lasting(quarter_s));
+    for (at, (found, lasting)) in lasting(0.0).into_iter().enumerate() {
         let ModelCycles { model, cycles, simulated_amplitude_rad: run } = found;
-        let lasting: Vec<f64> = cycles.iter().filter(|cycle| cycle.stable).map(|cycle| cycle.amplitude_rad).collect();
         println!("{model}: {run:.5} rad on the plant, {lasting:.5?} by harmonic balance");
         // Where the dividing and the lasting cycle have almost met, a first harmonic cannot say whether they have.
         let about_to_meet = cycles.len() == 2 && cycles[0].amplitude_rad > 0.75 * cycles[1].amplitude_rad;
         let at_rest = run < COUNT_RAD && (lasting.is_empty() || about_to_meet);
-        // A first harmonic alone; the torque of a late viscosity is cut off at what the fluid can give, and its lag is 6.3 % off.
-        assert!(at_rest || lasting.iter().any(|a| (a / run - 1.0).abs() < 0.07), "{model}: {run} rad, {cycles:?}");
+        let held = early[at].1.last().zip(late[at].1.last()).is_some_and(|(low, high)| (*low..=*high).contains(&run));
+        assert!(
+            at_rest || held || lasting.iter().any(|a| (a / run - 1.0).abs() < 0.06),
+            "{model}: {run} rad, {cycles:?}"
+        );
     }
 }

@@ -10,6 +10,8 @@ pub(super) struct Memory {
     bristle: f64,
     twist: f64,
     twist_rate: f64,
+    /// In viscous friction, J.
+    heat_j: f64,
 }
 
 /// One interval of a given motion.
@@ -26,6 +28,8 @@ pub(super) struct Interval {
     pub(super) slides: f64,
     /// Acting on the rotor, N m (N).
     pub(super) torque: f64,
+    /// Of that, the drive's before its ripple, N m (N).
+    pub(super) drive: f64,
 }
 
 /// Substeps of a shaft's oscillation: ten a radian ...
@@ -41,12 +45,20 @@ impl Laws {
     /// What is left of the torque for the inertia, N m (N). Dry friction of a rotor that slides acts against the motion; that of
     /// one that rests takes what it can.
     pub(super) fn left(&self, memory: &mut Memory, along: &Interval) -> f64 {
-        let Interval { dt_s, position, speed, change, slides, torque } = *along;
+        let Interval { dt_s, position, speed, change, slides, torque, drive } = *along;
         let sign = if speed < 0.0 { -1.0 } else { 1.0 };
-        let smooth = self.friction.viscous(sign) + self.friction.quadratic_coefficient() * speed.abs();
-        let mut left =
-            torque + self.position.torque(position) - smooth * speed + self.shaft_torque(memory, dt_s, change);
-        let excess = self.friction.excess(speed);
+        let rippled = drive * self.ripple.gain(position);
+        let load = self.friction.of_load(rippled);
+        let share = self.friction_warming.map_or(1.0, |(warming, _)| warming.share(memory.heat_j));
+        let smooth = share * self.friction.viscous(sign) + self.friction.quadratic_coefficient() * speed.abs();
+        let excess = self.friction.excess(speed) + load;
+        if let Some((warming, _)) = self.friction_warming {
+            let dry = slides * (self.friction.coulomb(sign) + excess);
+            let power_w = (smooth * speed.abs() + dry) * speed.abs();
+            (memory.heat_j, _) = warming.after(memory.heat_j, power_w, dt_s);
+        }
+        let mut left = torque + (rippled - drive) + self.position.torque(position) - smooth * speed
+            + self.shaft_torque(memory, dt_s, change);
         if self.bristle.is_some() {
             let before = memory.bristle;
             memory.bristle = self.friction.bristle_after(speed.signum(), before, speed * dt_s);

@@ -27,13 +27,13 @@ pub use motion::Motion;
 /// The residual torques of a recording under one machine, one for each test function, N m (N).
 pub(crate) type Residual = Vec<f64>;
 
-/// Mean torque of each row's interval.
-fn row_torques(acting: &Acting, grid: &Grid) -> Vec<f64> {
+/// Mean over each row's interval of a torque that is given for each substep.
+fn row_torques(torques: &[f64], grid: &Grid) -> Vec<f64> {
     (0..grid.dt_s.len())
         .map(|row| {
             let steps = grid.first[row] as usize..grid.first[row + 1] as usize;
             let many = steps.len().max(1) as f64;
-            acting.torque[steps].iter().sum::<f64>() / many
+            torques[steps].iter().sum::<f64>() / many
         })
         .collect()
 }
@@ -41,7 +41,7 @@ fn row_torques(acting: &Acting, grid: &Grid) -> Vec<f64> {
 impl Prepared {
     /// What torque is left along a motion.
     pub(crate) fn residual(&self, motion: &Motion, recorded: &Recorded, grid: &Grid, acting: &Acting) -> Residual {
-        let net = self.net(motion, recorded, &row_torques(acting, grid));
+        let net = self.net(motion, recorded, &row_torques(&acting.torque, grid), &row_torques(&acting.drive, grid));
         let inertia = self.laws.rotor_inertia();
         let rotor: Vec<f64> = recorded.position.iter().map(|seen| self.rotor(*seen)).collect();
         let of = |test: &motion::Test| {
@@ -57,7 +57,7 @@ impl Prepared {
 
     /// Torque left of each interval beside the inertia's. A filter between the torque and its column acts on what the motion
     /// requires: undone on the column it would amplify the column's noise.
-    fn net(&self, motion: &Motion, recorded: &Recorded, torques: &[f64]) -> Vec<f64> {
+    fn net(&self, motion: &Motion, recorded: &Recorded, torques: &[f64], drives: &[f64]) -> Vec<f64> {
         let mut memory = Memory::default();
         let mut behind_filter: Option<f64> = None;
         (0..torques.len())
@@ -72,6 +72,7 @@ impl Prepared {
                     // The probability that the rotor slides the way the speed says, less that of the other way.
                     slides: erf(speed.abs() / (std::f64::consts::SQRT_2 * motion.speed_sd)),
                     torque: torques[row],
+                    drive: drives[row],
                 };
                 let left = self.laws.left(&mut memory, &along);
                 if self.torque_filter_s <= 0.0 {

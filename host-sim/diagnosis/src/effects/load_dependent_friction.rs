@@ -1,0 +1,16 @@
+//! Dry friction that grows with the torque that is transmitted: level + k |drive torque|.
+
+use super::{Columns, Effect, PLAIN, free};
+
+/// The entry of the vocabulary.
+pub static EFFECT: Effect = Effect {
+    id: "load_dependent_friction",
+    sentence: "Friction grows with the torque that is transmitted: a gear, screw or bearing that its load presses together.",
+    // From 1 on no torque would move the rotor.
+    parameters: &[free(0.0, 0.9, 0.02)],
+    starts: |p, _| vec![vec![p.model.load_friction]],
+    put: |p, v| p.model.load_friction = v[0],
+    neutral: |p| p.model.load_friction,
+    columns: Columns::Each,
+    ..PLAIN
+};

@@ -1,0 +1,19 @@
+//! The drive's gain over position: 1 + amplitude sin(order th + phase); one entry for each order.
+
+use super::{Columns, Effect, PLAIN, amplitude_order_phase, fixed, free, harmonic, order_sine_cosine};
+
+/// The entry of the vocabulary.
+pub static EFFECT: Effect = Effect {
+    id: "torque_ripple",
+    sentence: "The drive's torque pulses over position in proportion to itself: currents, windings or magnets that are no perfect sines.",
+    // From 1 on the drive would pull the other way.
+    parameters: &[fixed(), free(-0.6, 0.6, 0.02), free(-0.6, 0.6, 0.02)],
+    starts: |_, e| e.ripple_orders.iter().map(|&order| vec![order, 0.0, 0.0]).collect(),
+    put: |p, v| p.model.torque_ripple.push(harmonic(v)),
+    report: amplitude_order_phase,
+    fitted: order_sine_cosine,
+    columns: Columns::Each,
+    repeats: true,
+    looked_at: |e| e.looked_at[0],
+    ..PLAIN
+};

@@ -1,0 +1,191 @@
+//! The covariance of the belief over a substep: Jacobian, noise, and what a linearised pass needs of them.
+
+use super::super::gaussian::{Thresholded, soft_threshold};
+use super::super::noise::{Noise, Rounding};
+use super::{Free, Laws, POSITION, ROUNDING, SPEED, Substep};
+
+impl Laws {
+    /// Moves mean and covariance through a substep with torque noise and the rounding's change over the travel; returns what a
+    /// linearised pass needs.
+    #[inline]
+    pub(crate) fn predict<const N: usize>(
+        &self,
+        x: &mut [f64; N],
+        p: &mut [[f64; N]; N],
+        step: &Substep,
+        noise: &Noise,
+        rounding: &Rounding,
+    ) -> Linear<N> {
+        let torque_variance = noise.torque_variance(step.dt_s);
+        let twist_sd = self.twist.map_or(0.0, |at| p[at][at].max(0.0).sqrt());
+        let free = self.free(x, step, twist_sd);
+        let row = self.row(x, step, &free);
+        let mut variance = free.gain * free.gain * torque_variance;
+        for i in 0..N {
+            for j in 0..N {
+                variance += row[i] * p[i][j] * row[j];
+            }
+        }
+        let speed_sd = variance.max(1e-300).sqrt();
+        let speed = soft_threshold(free.speed, speed_sd, free.up, free.down);
+        let (mut jacobian, push) = self.jacobian(x, step, &free, &row, &speed);
+        let next = self.moved(x, step, &free, speed.mean);
+        let kept = rounding.kept(next[POSITION] - x[POSITION]);
+        jacobian[ROUNDING][ROUNDING] = kept;
+        *x = next;
+        x[ROUNDING] *= kept;
+        spread(p, &jacobian);
+        self.stir(p, step.dt_s, push[SPEED] * push[SPEED] * torque_variance + speed.rest);
+        p[ROUNDING][ROUNDING] += (1.0 - kept * kept) * rounding.variance;
+        Linear { jacobian, push, gain: free.gain, speed_sd, twist_sd }
+    }
+
+    /// Widens a covariance over a substep along a linearised path.
+    pub(crate) fn widen<const N: usize>(&self, p: &mut [[f64; N]; N], linear: &Linear<N>, dt_s: f64, noise: &Noise) {
+        spread(p, &linear.jacobian);
+        self.stir(p, dt_s, linear.push[SPEED] * linear.push[SPEED] * noise.torque_variance(dt_s));
+    }
+
+    /// d free speed / d state.
+    #[inline]
+    fn row<const N: usize>(&self, x: &[f64; N], step: &Substep, free: &Free) -> [f64; N] {
+        let mut row = [0.0; N];
+        let half_s = 0.5 * step.dt_s;
+        row[POSITION] = free.gain * free.slope;
+        row[SPEED] = free.kept + free.gain * free.slope * half_s;
+        if let (Some(at), Some(law)) = (self.twist, &self.shaft) {
+            row[at] = free.gain * law.stiffness * free.shaft.1;
+            row[at + 1] = free.gain * free.shaft.1 * (law.stiffness * half_s + law.damping);
+        }
+        let bristle = self.bristle.map(|at| (at, free.bristle));
+        let spring = self.spring.map(|(_, at)| (at, free.spring));
+        for (at, (per_state, per_speed)) in bristle.into_iter().chain(spring) {
+            row[at] = -free.gain * per_state;
+            row[SPEED] -= free.gain * per_speed;
+        }
+        let (viscous, warm) = free.viscous;
+        if let Some((warming, at)) = self.friction_warming {
+            row[at] = free.gain * warming.per_j * warm * x[SPEED];
+        }
+        if let Some((warming, at)) = self.fluid_warming {
+            // A lower level lets more speed through where the rotor slides, which the slope of the threshold says.
+            let level = self.shares(x).1 * step.level;
+            row[at] = free.gain * warming.per_j * (level.copysign(free.speed) + (viscous - warm) * x[SPEED]);
+        }
+        row
+    }
+
+    /// d state at the end / d state at the start, and / d torque.
+    // Over 40 lines: one block for each state.
+    fn jacobian<const N: usize>(
+        &self,
+        x: &[f64; N],
+        step: &Substep,
+        free: &Free,
+        row: &[f64; N],
+        speed: &Thresholded,
+    ) -> ([[f64; N]; N], [f64; N]) {
+        let half_s = 0.5 * step.dt_s;
+        let mut f = [[0.0; N]; N];
+        for (i, line) in f.iter_mut().enumerate() {
+            line[i] = 1.0;
+        }
+        for j in 0..N {
+            f[SPEED][j] = speed.slope * row[j];
+            f[POSITION][j] += half_s * f[SPEED][j];
+        }
+        f[POSITION][SPEED] += half_s;
+        let mut push = [0.0; N];
+        push[SPEED] = speed.slope * free.gain;
+        push[POSITION] = half_s * push[SPEED];
+        if let (Some(at), Some(law)) = (self.twist, &self.shaft) {
+            let pull = step.dt_s * law.per_load_inertia * free.shaft.1;
+            for j in 0..N {
+                f[at + 1][j] -= f[SPEED][j];
+            }
+            f[at + 1][SPEED] += 1.0;
+            f[at + 1][at] -= pull * law.stiffness;
+            f[at + 1][at + 1] -= pull * (law.stiffness * half_s + law.damping);
+            for j in 0..N {
+                f[at][j] += half_s * f[at + 1][j];
+            }
+            f[at][at + 1] += half_s;
+            (push[at], push[at + 1]) = (-push[POSITION], -push[SPEED]);
+        }
+        let travel = half_s * (x[SPEED] + speed.mean);
+        let mut follows = |at: usize, kept: f64, per_travel: f64| {
+            for j in 0..N {
+                let moved = f[POSITION][j] - f64::from(j == POSITION);
+                f[at][j] = per_travel * moved + if j == at { kept } else { 0.0 };
+            }
+            push[at] = per_travel * push[POSITION];
+        };
+        if let (Some(at), Some(stiffness)) = (self.bristle, self.friction.stiffness()) {
+            let sign = travel.signum();
+            let level = self.friction.coulomb(sign).max(f64::MIN_POSITIVE);
+            let kept = (-stiffness * travel.abs() / level).exp();
+            follows(at, kept, stiffness * kept * (1.0 - sign * x[at] / level));
+        }
+        if let Some((stiffness, at)) = self.spring {
+            let inside = f64::from((x[at] + stiffness * travel).abs() < self.shares(x).1 * step.level);
+            follows(at, inside, inside * stiffness);
+        }
+        for (warming, at) in self.friction_warming.iter().chain(&self.fluid_warming) {
+            let (_, per_travel) = self.power(free, travel / step.dt_s);
+            follows(*at, warming.after(0.0, 0.0, step.dt_s).1, per_travel);
+        }
+        (f, push)
+    }
+
+    /// Adds a speed noise of variance `white` with what it moves within the substep.
+    #[inline]
+    fn stir<const N: usize>(&self, p: &mut [[f64; N]; N], dt_s: f64, white: f64) {
+        let mut by = [0.0; N];
+        (by[POSITION], by[SPEED]) = (0.5 * dt_s, 1.0);
+        if let Some(at) = self.twist {
+            (by[at], by[at + 1]) = (-0.5 * dt_s, -1.0);
+        }
+        for i in 0..N {
+            for j in 0..N {
+                p[i][j] += white * by[i] * by[j];
+            }
+        }
+    }
+}
+
+/// What a linearised pass needs of a substep.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Linear<const N: usize> {
+    pub(crate) jacobian: [[f64; N]; N],
+    /// Response of the state to a torque of one.
+    pub(crate) push: [f64; N],
+    /// Response of the speed to a torque of one, were there no dry friction.
+    pub(crate) gain: f64,
+    pub(crate) speed_sd: f64,
+    pub(crate) twist_sd: f64,
+}
+
+/// P = F P F'.
+#[inline]
+fn spread<const N: usize>(p: &mut [[f64; N]; N], f: &[[f64; N]; N]) {
+    let mut half = [[0.0; N]; N];
+    for i in 0..N {
+        for j in 0..N {
+            let mut sum = 0.0;
+            for k in 0..N {
+                sum += f[i][k] * p[k][j];
+            }
+            half[i][j] = sum;
+        }
+    }
+    for i in 0..N {
+        for j in 0..=i {
+            let mut sum = 0.0;
+            for k in 0..N {
+                sum += half[i][k] * f[j][k];
+            }
+            p[i][j] = sum;
+            p[j][i] = sum;
+        }
+    }
+}
