@@ -290,9 +290,16 @@ fn neighbourhood(
         }
         let hypothesis = &best.assessed.refitted.hypothesis;
         let without = if hypothesis.entries.len() == 1 {
-            nominal.clone()
+            Some(nominal.clone())
         } else {
-            step(problem, refit(problem, &hypothesis.without(at), &best.assessed.refitted.noise, 10)?)?
+            let refitted = refit(problem, &hypothesis.without(at), &best.assessed.refitted.noise, 10);
+            refitted.and_then(|refitted| step(problem, refitted))
+        };
+        // What another entry stands on, as an asymmetry on its friction, cannot be dropped.
+        let Some(without) = without else {
+            evidence.push(tried[at].taken);
+            at += 1;
+            continue;
         };
         let gain = gain(problem, &best, &without, at);
         let rise = best.assessed.refitted.log_likelihood - without.assessed.refitted.log_likelihood;

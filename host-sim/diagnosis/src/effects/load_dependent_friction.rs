@@ -1,6 +1,6 @@
 //! Dry friction that grows with the torque that is transmitted: level + k |drive torque|.
 
-use super::{Columns, Effect, PLAIN, free};
+use super::{Columns, Effect, PLAIN, commanded, free};
 
 /// The entry of the vocabulary.
 pub static EFFECT: Effect = Effect {
@@ -8,6 +8,8 @@ pub static EFFECT: Effect = Effect {
     sentence: "Friction grows with the torque that is transmitted: a gear, screw or bearing that its load presses together.",
     // From 1 on no torque would move the rotor.
     parameters: &[free(0.0, 0.9, 0.02)],
+    // Of a measured torque it would only say that less was measured.
+    applies: commanded,
     starts: |p, _| vec![vec![p.model.load_friction]],
     put: |p, v| p.model.load_friction = v[0],
     neutral: |p| p.model.load_friction,

@@ -1,6 +1,6 @@
 //! The drive's gain over position: 1 + amplitude sin(order th + phase); one entry for each order.
 
-use super::{Columns, Effect, PLAIN, amplitude_order_phase, fixed, free, harmonic, order_sine_cosine};
+use super::{Columns, Effect, PLAIN, amplitude_order_phase, commanded, fixed, free, harmonic, order_sine_cosine};
 
 /// The entry of the vocabulary.
 pub static EFFECT: Effect = Effect {
@@ -8,6 +8,8 @@ pub static EFFECT: Effect = Effect {
     sentence: "The drive's torque pulses over position in proportion to itself: currents, windings or magnets that are no perfect sines.",
     // From 1 on the drive would pull the other way.
     parameters: &[fixed(), free(-0.6, 0.6, 0.02), free(-0.6, 0.6, 0.02)],
+    // Of a measured torque it would only say that less was measured.
+    applies: commanded,
     starts: |_, e| e.ripple_orders.iter().map(|&order| vec![order, 0.0, 0.0]).collect(),
     put: |p, v| p.model.torque_ripple.push(harmonic(v)),
     report: amplitude_order_phase,

@@ -44,6 +44,7 @@ pub(crate) fn score(
         .filter(|effect| !hypothesis.entries.iter().any(|entry| physics.indistinct(entry.effect, effect)))
         .filter(|effect| effect.repeats || hypothesis.entries.iter().all(|entry| entry.effect != **effect))
         .flat_map(|effect| (effect.starts)(physics, &excitation).into_iter().map(|values| (*effect, values)))
+        .filter(|(effect, values)| !overlaps(hypothesis, effect, values))
         .collect();
     let mut all: Vec<Candidate> = starts
         .into_par_iter()
@@ -58,6 +59,13 @@ pub(crate) fn score(
     }
     all.sort_by(|a, b| b.gain.total_cmp(&a.gain));
     all
+}
+
+/// Whether it would happen while something of its kind happens already: the shape of one event is no second one.
+fn overlaps(hypothesis: &Hypothesis, effect: &Effect, values: &[f64]) -> bool {
+    let Some((recording, from_s, to_s)) = (effect.span)(values) else { return false };
+    let spans = hypothesis.entries.iter().filter_map(|entry| (entry.effect.span)(&entry.values));
+    spans.into_iter().any(|(other, start_s, end_s)| other == recording && start_s < to_s && from_s < end_s)
 }
 
 /// The residual, its weights, and the columns of the hypothesis itself.
