@@ -233,7 +233,10 @@ fn not_taken(problem: &Problem, from: &Step, to: Refitted, odds: Odds) -> Option
     let worth_it = rise > price(problem) * (freedom(&to) - freedom(&from.assessed.refitted));
     let certain = worth_it && {
         let entry = to.hypothesis.entries.len() - 1;
-        assess(problem, to).is_some_and(|assessed| p_value(&assessed, entry, rise, odds) < LEVEL_OF_A_STEP)
+        // What brings the motion no nearer is no part of what is missing.
+        step(problem, to).is_some_and(|next| {
+            p_value(&next.assessed, entry, rise, odds) < LEVEL_OF_A_STEP && gain(problem, &next, from, entry) > 0.0
+        })
     };
     Some(Rejected { effect, rise, certain })
 }

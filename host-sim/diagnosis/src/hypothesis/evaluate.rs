@@ -58,13 +58,10 @@ fn prepare(problem: &Problem, physics: &Physics, index: usize) -> Option<(Prepar
     Some((Prepared::new(physics, index, problem.step), acting(problem, physics, index)?))
 }
 
-/// What acts in a recording; where the motion is given, what its torque column shows.
+/// What acts in a recording.
 fn acting(problem: &Problem, physics: &Physics, index: usize) -> Option<Acting> {
-    let (recorded, grid) = (&problem.recordings[index], &problem.grids[index]);
-    if problem.motions.is_empty() || physics.torque_filter_s == 0.0 {
-        return Acting::new(physics, index, recorded, grid, !problem.motions.is_empty());
-    }
-    Acting::new(&Physics { torque_filter_s: 0.0, ..physics.clone() }, index, recorded, grid, true)
+    let measured = !problem.motions.is_empty();
+    Acting::new(physics, index, &problem.recordings[index], &problem.grids[index], measured)
 }
 
 /// What a look along a given motion costs of a filter's substep: measured, a row against four substeps.
@@ -148,13 +145,12 @@ impl Kept {
     /// Windows of `horizon` rows of one recording, each simulated from the state that was estimated at its start.
     pub(crate) fn windows(&self, problem: &Problem, index: usize, horizon: usize) -> Vec<Window> {
         let kept = &self.recordings[index];
-        if let Some(path) = &kept.path {
-            return kept.prepared.windows(path, driven(problem, index, &kept.acting), &self.noise[index], horizon);
+        let driven = driven(problem, index, &kept.acting);
+        match (&kept.path, problem.motions.get(index)) {
+            (Some(path), _) => kept.prepared.windows(path, driven, &self.noise[index], horizon),
+            (None, Some(motion)) => kept.prepared.windows_along(motion, driven, &self.noise[index], horizon),
+            (None, None) => Vec::new(),
         }
-        let acting = Acting::new(&self.physics, index, &problem.recordings[index], &problem.grids[index], true);
-        problem.motions.get(index).zip(acting).map_or_else(Vec::new, |(motion, acting)| {
-            kept.prepared.windows_along(motion, driven(problem, index, &acting), &self.noise[index], horizon)
-        })
     }
 
     /// Sensitivity of half the squared whitened innovations of one recording to a torque in each substep, with the sign of the

@@ -49,17 +49,21 @@ impl Prepared {
             let first = rotor[test.rows.start];
             let seen = test.acceleration.iter().zip(&rotor[test.rows.clone()]);
             let left = force - inertia * seen.map(|(weight, position)| weight * (position - first)).sum::<f64>();
-            // In the unit of the column: a gain that shrinks the torque must not shrink what is left of it.
-            left / self.torque_gain
+            left / self.per_column(0.5 * motion.support_s())
         };
         motion.tests.iter().map(of).collect()
     }
 
-    /// Torque left of each interval beside the inertia's. A filter between the torque and its column acts on what the motion
-    /// requires: undone on the column it would amplify the column's noise.
+    /// What the column's noise grows by on its way to the torque that acts: as a density over the column, a machine that shrinks or
+    /// smooths the torque must not gain by it. Undoing a filter of time constant tau grows white noise under a bump k by
+    /// sqrt(1 + tau^2 int k'^2 / int k^2), and the bump (1 - (t/h)^2)^2 has a ratio of 3 / h^2.
+    fn per_column(&self, half_s: f64) -> f64 {
+        self.torque_gain * (1.0 + 3.0 * (self.torque_filter_s / half_s).powi(2)).sqrt()
+    }
+
+    /// Torque left of each interval beside the inertia's.
     fn net(&self, motion: &Motion, recorded: &Recorded, torques: &[f64], drives: &[f64]) -> Vec<f64> {
         let mut memory = Memory::default();
-        let mut behind_filter: Option<f64> = None;
         (0..torques.len())
             .map(|row| {
                 let dt_s = recorded.t_s[row + 1] - recorded.t_s[row];
@@ -74,16 +78,7 @@ impl Prepared {
                     torque: torques[row],
                     drive: drives[row],
                 };
-                let left = self.laws.left(&mut memory, &along);
-                if self.torque_filter_s <= 0.0 {
-                    return left;
-                }
-                let required = torques[row] - left + self.laws.rotor_inertia() * along.change / dt_s;
-                let before = behind_filter.filter(|_| !recorded.after_gap[row]).unwrap_or(required);
-                let kept = (-dt_s / self.torque_filter_s).exp();
-                behind_filter = Some(required + (before - required) * kept);
-                // Its mean over the interval, less what is required.
-                left - (before - required) * (1.0 - kept) * self.torque_filter_s / dt_s
+                self.laws.left(&mut memory, &along)
             })
             .collect()
     }
