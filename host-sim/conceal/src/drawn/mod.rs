@@ -1,8 +1,8 @@
 //! Cases of machines that are drawn whole: the machine, its log, its controller, its noise, and effects in sizes of what the motion
 //! can tell.
 //!
-//! [`setting`] draws the machine, [`motion`] runs it, [`information`] weighs what an effect adds to that motion, [`sizes`] puts
-//! effects in at multiples of what can be told, [`files`] writes what the drive would have logged.
+//! `setting` draws the machine, `motion` runs it, `information` weighs what an effect adds to that motion, `sizes` puts
+//! effects in at multiples of what can be told, `files` writes what the drive would have logged.
 
 mod controller;
 mod files;

@@ -1,6 +1,7 @@
 //! The ranking as a picture.
 
 use super::Answer;
+use super::plan::Curve;
 use crate::plot::{Figure, Mark, Panel, Series, Stroke};
 
 /// Strokes of the models in turn, beside their colours.
@@ -14,8 +15,8 @@ const MOST_SHOWN: f64 = 4.0;
 pub fn figure(answer: &Answer) -> Figure {
     let out = answer.candidates.iter().filter(|one| !one.in_set).map(|one| one.behind);
     let shown = MOST_SHOWN * out.fold(f64::INFINITY, f64::min);
-    let curves = |curves: &[(&'static str, Vec<(f64, f64)>)], scale: f64, most: f64| -> Vec<Series> {
-        let series = |(at, (name, points)): (usize, &(&'static str, Vec<(f64, f64)>))| {
+    let curves = |curves: &[Curve], scale: f64, most: f64| -> Vec<Series> {
+        let series = |(at, (name, points)): (usize, &Curve)| {
             let points = points.iter().map(|&(t_s, y)| (t_s, if y.abs() <= most { scale * y } else { f64::NAN }));
             Series::new(name, Mark::Line, points).with(STROKES[at % STROKES.len()])
         };

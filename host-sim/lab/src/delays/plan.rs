@@ -70,6 +70,9 @@ pub struct Simulated<'a> {
     left: Vec<Contender>,
 }
 
+/// A name with the points (t, y) of its curve, s and the unit of the axis.
+pub type Curve = (&'static str, Vec<(f64, f64)>);
+
 impl<'a> Simulated<'a> {
     /// `noise` is what each recording has; each contender begins at its fitted values.
     pub fn new(machine: &'a Machine, problem: &'a Problem, noise: &[Noise], left: Vec<Contender>) -> Self {
@@ -144,7 +147,7 @@ impl<'a> Simulated<'a> {
     ///
     /// # Errors
     /// As [`Simulated::plans`].
-    pub fn apart(&self, plan: &Plan) -> Result<Vec<(&'static str, Vec<(f64, f64)>)>, Error> {
+    pub fn apart(&self, plan: &Plan) -> Result<Vec<Curve>, Error> {
         let quiet = Self { noise: Noise { sensor_sd: 0.0, torque_density: 0.0 }, left: self.left.clone(), ..*self };
         let all: Vec<Vec<Row>> =
             (0..self.left.len()).map(|at| quiet.rows(at, &plan.experiment)).collect::<Result<_, _>>()?;

@@ -11,7 +11,7 @@ impl fmt::Display for Answer {
             Verdict::Named => writeln!(f, "named: {}", left.join(", "))?,
             Verdict::Ambiguous => writeln!(f, "ambiguous: these recordings do not tell {} apart", left.join(", "))?,
         }
-        writeln!(f, "\n{:16}{:>10}{:>10}  {:16}{}", "delay", "behind", "p", "", "values, ms (95 %)")?;
+        writeln!(f, "\n{:16}{:>10}{:>10}{:18}values, ms (95 %)", "delay", "behind", "p", " ")?;
         for candidate in &self.candidates {
             writeln!(f, "{candidate}")?;
         }

@@ -42,12 +42,15 @@ pub struct Ran {
     pub failures: Vec<(u64, String)>,
 }
 
+/// A seed that gave no case, with the reason.
+type Failure = (u64, String);
+
 /// Writes the seals of the cases; gives the cases, and the hash over all seals, which commits to every truth. A seed that gives no
 /// case is among the failures.
 ///
 /// # Errors
 /// A file that cannot be written.
-pub fn seal(seeds: &[u64], settings: &Settings) -> Result<(Vec<Subject>, Vec<(u64, String)>, String), Error> {
+pub fn seal(seeds: &[u64], settings: &Settings) -> Result<(Vec<Subject>, Vec<Failure>, String), Error> {
     let folder = settings.out.join("sealed");
     output::folder(&folder)?;
     let draw = |&seed: &u64| Subject::draw(settings.plan, seed).map_err(|error| (seed, error.to_string()));
