@@ -3,7 +3,7 @@
 //! An effect's column is the torque that it adds: row by row the machine with it is put where the motion was, driven by the same
 //! command, and the difference of its gain of speed to that of the nominal machine, times inertia over time, is the torque of the
 //! row. What the drive, the fluid and the contacts remember is not put back. A sensor's effect is the angle it adds. Both are held
-//! against the noise through second differences of the position, z = (J/T^2) (y[k+1] - 2 y[k] + y[k-1]): a torque passes the mean of
+//! against the noise through second differences of the position, z = (J/T^2) `(y[k+1] - 2 y[k] + y[k-1])`: a torque passes the mean of
 //! two rows, H = cos(w/2), an angle (J/T^2) (2 - 2 cos w). The information is the sum over frequencies of |Z|^2 over the noise's
 //! spectrum: twice the expected gain of log-likelihood of the machine with the effect over the one without.
 
