@@ -71,12 +71,12 @@ impl Problem {
     }
 }
 
-/// Substeps of one diagnosis: 25 s on one core at the 40 million a second that were measured on a 2 kHz log, up to twice that where
-/// rows are few and what surrounds a pass counts, so that any search ends within a minute, after the same work on any machine.
+/// Substeps of three states of one diagnosis: 25 s on one core at the 40 million a second that were measured on a 2 kHz log, up to twice
+/// that where rows are few and what surrounds a pass counts, so that any search ends within a minute, after the same work on any machine.
 const WORK: u64 = 1_000_000_000;
 
 impl Problem {
-    /// Counts work done.
+    /// Counts work done, in substeps of three states.
     pub(crate) fn spend(&self, substeps: usize) {
         self.spent.fetch_add(substeps as u64, Ordering::Relaxed);
     }

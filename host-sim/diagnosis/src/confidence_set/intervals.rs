@@ -73,9 +73,9 @@ impl Assessed {
         let neutral = (effect.neutral)(&problem.nominal);
         let ranges = effect.ranges(entry_at.values.len(), &problem.nominal, &problem.excitation);
         intervals(self, entry).get(effect.leading).is_some_and(|first| {
-            // A value that is reported as it is fitted has a size to be measured by.
+            // A value that is fitted by steps of a typical change, and reported as it is fitted, has a size to be measured by.
             let same =
-                entry_at.values.get(effect.leading) == Some(&first.value) && ranges[effect.leading].scale.is_finite();
+                entry_at.values.get(effect.leading) == Some(&first.value) && effect.parameter(effect.leading).free;
             let least = if same { SMALLEST_SIZE * ranges[effect.leading].scale } else { 0.0 };
             !(first.low <= neutral && neutral <= first.high) && (first.value - neutral).abs() >= least
         })

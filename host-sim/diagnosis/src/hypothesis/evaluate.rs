@@ -42,7 +42,7 @@ pub fn evaluate(problem: &Problem, physics: &Physics, noise: &[Noise], many: usi
                 prepared.whiten(motion, &problem.recordings[index], &residual, &noise[index])
             }
             None => {
-                problem.spend(problem.grids[index].substeps());
+                problem.spend(prepared.cost() * problem.grids[index].substeps());
                 prepared.run(driven(problem, index, &acting), &noise[index])
             }
         };
@@ -102,7 +102,7 @@ pub(crate) fn kept(problem: &Problem, physics: &Physics, noise: &[Noise], many: 
                 (prepared.whiten(motion, &problem.recordings[index], &residual, &noise[index]), None)
             }
             None => {
-                problem.spend(problem.grids[index].substeps());
+                problem.spend(prepared.cost() * problem.grids[index].substeps());
                 let (innovations, path) = prepared.run_kept(driven(problem, index, &acting), &noise[index]);
                 (innovations, Some(path))
             }
@@ -133,7 +133,7 @@ impl Kept {
                     prepared.difference(&kept.innovations, motion, recorded, &residual, &self.noise[index])
                 }
                 (path, _) => {
-                    problem.spend(problem.grids[index].substeps());
+                    problem.spend(prepared.cost() * problem.grids[index].substeps());
                     prepared.response(&kept.prepared, path.as_ref()?, driven(problem, index, acting))
                 }
             };
@@ -225,7 +225,7 @@ fn noise_of_one(problem: &Problem, physics: &Physics, index: usize, from: &Noise
     let score = |noise: &Noise| {
         let of = |rows: &Range<usize>| -> f64 {
             let driven = Driven { rows: rows.clone(), ..driven(problem, index, &acting) };
-            problem.spend(rows.len() * substeps);
+            problem.spend(prepared.cost() * rows.len() * substeps);
             prepared.run(driven, noise).log_likelihood.iter().sum()
         };
         let sum: f64 = problem.excerpts[index].iter().map(of).sum();

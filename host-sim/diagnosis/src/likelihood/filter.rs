@@ -111,6 +111,11 @@ impl Prepared {
         }
     }
 
+    /// What a substep costs of one of three states: covariances are squares.
+    pub(crate) fn cost(&self) -> usize {
+        (self.laws.states * self.laws.states / 9).max(1)
+    }
+
     /// Log-likelihood of a whitened innovation, and how much it pulls: of a wrong sample, nothing. Without wrong samples in
     /// the hypothesis the loss is Huber's.
     fn judged(&self, whitened: f64, per_sd: f64) -> (f64, f64) {

@@ -154,7 +154,6 @@ fn lost_rows_hide_nothing_and_add_nothing() {
 
 /// Fewer bits than the machine file has.
 #[test]
-#[ignore = "missed: 12 bits of the nominal machine are named a backlash"]
 fn coarse_positions_hide_nothing_and_add_nothing() {
     misled("12 bits", |file| {
         let step = std::f64::consts::TAU / 4096.0;
