@@ -1,6 +1,6 @@
 //! From recordings to the conclusion; the only place that knows every stage.
 
-use crate::confidence_set::{Comparison, Interval, Step, compare, excluded, intervals};
+use crate::confidence_set::{Comparison, Interval, Step, excluded, intervals};
 use crate::effects::{Effect, VOCABULARY};
 use crate::goodness::{Predictor, predictors};
 use crate::hypothesis::{Entry, Hypothesis, Refitted};
@@ -108,18 +108,18 @@ pub fn diagnose(problem: &Problem, vocabulary: &[&'static Effect]) -> Option<Con
 fn named(problem: &Problem, found: &Found) -> (Vec<Named>, Vec<Hypothesis>) {
     let best = &found.best.assessed;
     let mut in_the_set: Vec<(f64, Hypothesis)> = Vec::new();
-    let comparisons: Vec<Comparison> =
-        found.rivals.iter().map(|(_, rival)| compare(problem, &found.best, rival)).collect();
+    let comparisons: Vec<Comparison> = found.rivals.iter().map(|rival| rival.behind).collect();
     let excluded = excluded(&comparisons);
     let mut effects: Vec<Named> = Vec::new();
     for (at, entry) in best.refitted.hypothesis.entries.iter().enumerate() {
         let mut alike: Vec<(f64, usize, &'static Effect)> = Vec::new();
-        for (index, (_, rival)) in found.rivals.iter().enumerate().filter(|(_, (place, _))| *place == at) {
-            let Some(other) = rival.assessed.refitted.hypothesis.entries.last() else { continue };
+        for (index, rival) in found.rivals.iter().enumerate().filter(|(_, rival)| rival.place == at) {
+            let assessed = &rival.step.assessed;
+            let Some(other) = assessed.refitted.hypothesis.entries.last() else { continue };
             if !excluded[index] && !alike.iter().any(|(_, _, effect)| *effect == other.effect) {
-                alike.push((comparisons[index].difference, rival.assessed.freedom(), other.effect));
+                alike.push((rival.behind.difference, assessed.freedom(), other.effect));
                 if !problem.nominal.indistinct(entry.effect, other.effect) {
-                    in_the_set.push((comparisons[index].difference, rival.assessed.refitted.hypothesis.clone()));
+                    in_the_set.push((rival.behind.difference, assessed.refitted.hypothesis.clone()));
                 }
             }
         }

@@ -2,11 +2,10 @@
 
 use rayon::prelude::*;
 
-use crate::confidence_set::{Comparison, Step, assess, compare, excluded};
+use crate::confidence_set::{Comparison, Step, compare, excluded};
 use crate::hypothesis::{Hypothesis, Refitted, evaluate, refit};
 use crate::problem::Problem;
 use crate::search::nominal;
-use crate::windows::WindowFit;
 
 /// A hypothesis that competes.
 #[derive(Debug, Clone)]
@@ -77,7 +76,5 @@ fn fit(problem: &Problem, contender: &Contender, nominal: &Refitted) -> Option<S
     let mut starts: Vec<(f64, &Hypothesis)> = contender.starts.iter().map(|start| (worth(start), start)).collect();
     starts.sort_by(|(a, _), (b, _)| b.total_cmp(a));
     let followed = starts.iter().take(FOLLOWED).filter_map(|(_, start)| refit(problem, start, &nominal.noise, ROUNDS));
-    let best = followed.max_by(|a, b| a.log_likelihood.total_cmp(&b.log_likelihood))?.over_all(problem)?;
-    let windows = WindowFit::new(problem, &best)?;
-    Some(Step { assessed: assess(problem, best)?, windows })
+    Step::new(problem, followed.max_by(|a, b| a.log_likelihood.total_cmp(&b.log_likelihood))?)
 }

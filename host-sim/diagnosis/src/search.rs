@@ -3,13 +3,12 @@
 use rayon::prelude::*;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-use crate::confidence_set::{Assessed, Comparison, Step, assess, compare, excluded};
+use crate::confidence_set::{Assessed, Comparison, Step, compare, excluded};
 use crate::effects::Effect;
 use crate::hypothesis::{Entry, Hypothesis, Refitted, kept, noise_of, refit};
 use crate::likelihood::Noise;
 use crate::problem::Problem;
 use crate::score::{Candidate, score};
-use crate::windows::WindowFit;
 
 /// Effects that are refitted of all that are scored. The right one was among the first five in each of 66 tuning cases.
 const REFITTED: usize = 5;
@@ -46,10 +45,21 @@ pub struct Found {
     pub looked_at: usize,
     /// For each entry of the best its p-value, corrected for all that was tried, and the gain of its windows.
     pub evidence: Vec<(f64, f64)>,
-    /// Hypotheses beside the best: what was refitted in place of an entry, with the entry's place.
-    pub rivals: Vec<(usize, Step)>,
+    /// Hypotheses beside the best.
+    pub rivals: Vec<Rival>,
     /// What was refitted beside the best and not taken.
     pub rejected: Vec<Rejected>,
+}
+
+/// What was refitted in the place of an entry of the best.
+#[derive(Debug)]
+pub struct Rival {
+    /// The entry's place.
+    pub place: usize,
+    /// At its optimum.
+    pub step: Step,
+    /// How much better the best is.
+    pub behind: Comparison,
 }
 
 /// What was refitted beside the best and not taken.
@@ -159,12 +169,6 @@ pub fn p_value(assessed: &Assessed, entry: usize, gain: f64, odds: Odds) -> f64 
     (single * odds.tries * crate::effects::VOCABULARY.len() as f64).max(odds.by_chance).min(1.0)
 }
 
-fn step(problem: &Problem, refitted: Refitted) -> Option<Step> {
-    let refitted = refitted.over_all(problem)?;
-    let windows = WindowFit::new(problem, &refitted)?;
-    Some(Step { assessed: assess(problem, refitted)?, windows })
-}
-
 /// The nominal machine with what others would stand in for where it is missing; none where it can have nothing of the kind.
 fn first(problem: &Problem, nominal: &Step, vocabulary: &[&'static Effect]) -> Option<Step> {
     let entries: Vec<Entry> = vocabulary
@@ -175,12 +179,12 @@ fn first(problem: &Problem, nominal: &Step, vocabulary: &[&'static Effect]) -> O
     if entries.is_empty() {
         return None;
     }
-    step(problem, refit(problem, &Hypothesis { entries }, &nominal.assessed.refitted.noise, 10)?)
+    Step::new(problem, refit(problem, &Hypothesis { entries }, &nominal.assessed.refitted.noise, 10)?)
 }
 
 /// Searches from the nominal machine, and from the one with what others would stand in for; the likelier end is gone on from.
 pub fn search(problem: &Problem, vocabulary: &[&'static Effect]) -> Option<Found> {
-    let nominal = step(problem, nominal(problem)?)?;
+    let nominal = Step::new(problem, nominal(problem)?)?;
     let mut ends = vec![forward(problem, vocabulary, nominal.clone())];
     if let Some(first) = first(problem, &nominal, vocabulary) {
         ends.push(forward(problem, vocabulary, first));
@@ -234,7 +238,7 @@ fn not_taken(problem: &Problem, from: &Step, to: Refitted, odds: Odds) -> Option
     let certain = worth_it && {
         let entry = to.hypothesis.entries.len() - 1;
         // What brings the motion no nearer is no part of what is missing.
-        step(problem, to).is_some_and(|next| {
+        Step::new(problem, to).is_some_and(|next| {
             p_value(&next.assessed, entry, rise, odds) < LEVEL_OF_A_STEP && gain(problem, &next, from, entry) > 0.0
         })
     };
@@ -247,7 +251,7 @@ fn worth(problem: &Problem, from: &Step, to: &Refitted, odds: Odds) -> Option<(S
     if rise.is_nan() || rise <= price(problem) {
         return None;
     }
-    let next = step(problem, to.clone())?;
+    let next = Step::new(problem, to.clone())?;
     let entry = to.hypothesis.entries.len().checked_sub(1)?;
     let p = p_value(&next.assessed, entry, rise, odds);
     let gain = gain(problem, &next, from, entry);
@@ -283,7 +287,7 @@ fn neighbourhood(
     Forward { mut best, mut tried, rejected }: Forward,
 ) -> Option<Found> {
     let mut evidence = Vec::new();
-    let mut rivals: Vec<(usize, Step)> = Vec::new();
+    let mut rivals: Vec<Rival> = Vec::new();
     let mut at = 0;
     while at < best.assessed.refitted.hypothesis.entries.len() {
         if problem.is_spent() {
@@ -296,7 +300,7 @@ fn neighbourhood(
             Some(nominal.clone())
         } else {
             let refitted = refit(problem, &hypothesis.without(at), &best.assessed.refitted.noise, 10);
-            refitted.and_then(|refitted| step(problem, refitted))
+            refitted.and_then(|refitted| Step::new(problem, refitted))
         };
         // What another entry stands on, as an asymmetry on its friction, cannot be dropped.
         let Some(without) = without else {
@@ -322,7 +326,7 @@ fn neighbourhood(
         let floor = without.assessed.refitted.log_likelihood;
         let rival = |(one, odds): (Refitted, Odds)| {
             let (rise, last) = (one.log_likelihood - floor, one.hypothesis.entries.len() - 1);
-            let rival = step(problem, one)?;
+            let rival = Step::new(problem, one)?;
             let relevant = self::gain(problem, &rival, &without, last) >= SMALLEST_GAIN;
             (relevant && p_value(&rival.assessed, last, rise, odds) < LEVEL_OF_A_STEP).then_some(rival)
         };
@@ -339,7 +343,8 @@ fn neighbourhood(
             rivals.clear();
             continue;
         }
-        rivals.extend(found.into_iter().map(|rival| (at, rival)));
+        let rival = |(step, behind)| Rival { place: at, step, behind };
+        rivals.extend(found.into_iter().zip(comparisons).map(rival));
         evidence.push((p, gain));
         at += 1;
     }

@@ -3,7 +3,6 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::hypothesis::{Refitted, columns, kept, ranges};
-use crate::likelihood::filter::HUBER;
 use crate::problem::Problem;
 
 /// A hypothesis with what its blocks say.
@@ -18,8 +17,6 @@ pub struct Assessed {
     pub covariance: DMatrix<f64>,
     /// Variances of the free values if every row were independent.
     pub naive: Vec<f64>,
-    /// Free values that sit on a bound.
-    pub at_bound: Vec<bool>,
 }
 
 impl Assessed {
@@ -75,17 +72,7 @@ pub fn assess(problem: &Problem, refitted: Refitted) -> Option<Assessed> {
         let told: Vec<bool> = alone.iter().map(|of| index < problem.fitted || *of == Some(index)).collect();
         for block in &problem.blocks[index] {
             let (mut score, mut part) = (DVector::zeros(many), DMatrix::zeros(many, many));
-            for row in block.clone().filter(|&row| kept.innovations.counted[row]) {
-                let whitened = kept.innovations.whitened[row];
-                let weight = (HUBER / whitened.abs()).min(1.0);
-                for i in (0..many).filter(|&i| told[i]) {
-                    let a = weight * columns[i][index][row];
-                    score[i] -= a * whitened;
-                    for j in (0..=i).filter(|&j| told[j]) {
-                        part[(i, j)] += a * columns[j][index][row];
-                    }
-                }
-            }
+            kept.equations(&columns, index, &told).add_rows(block.clone(), &mut score, &mut part);
             part.fill_upper_triangle_with_lower_triangle();
             of_scores.push(score);
             of_parts.push(part);
@@ -101,18 +88,10 @@ pub fn assess(problem: &Problem, refitted: Refitted) -> Option<Assessed> {
     for (i, range) in ranges.iter().enumerate() {
         information[(i, i)] = information[(i, i)] * (1.0 + 1e-9) + 0.01 / (range.scale * range.scale);
     }
-    let values: Vec<f64> = refitted
-        .hypothesis
-        .free()
-        .iter()
-        .map(|&(entry, index)| refitted.hypothesis.entries[entry].values[index])
-        .collect();
-    let at_bound =
-        values.iter().zip(&ranges).map(|(value, range)| *value <= range.low || *value >= range.high).collect();
     let covariance = sandwich(&information, &scores)?;
     let naive = information.clone().cholesky()?.inverse().diagonal().iter().copied().collect();
     let crossed = crossed(problem, &refitted, &information, &scores, &parts);
-    Some(Assessed { refitted, crossed, covariance, naive, at_bound })
+    Some(Assessed { refitted, crossed, covariance, naive })
 }
 
 /// Inverse information times the spread of the block scores times inverse information; never below what the information

@@ -4,6 +4,8 @@ mod compare;
 mod information;
 mod intervals;
 
+use crate::hypothesis::Refitted;
+use crate::problem::Problem;
 use crate::windows::WindowFit;
 
 pub use compare::{Comparison, LEVEL_OF_THE_SET, compare, excluded};
@@ -18,4 +20,13 @@ pub struct Step {
     pub assessed: Assessed,
     /// What its windows leave.
     pub windows: WindowFit,
+}
+
+impl Step {
+    /// Of a hypothesis at its optimum, on all recordings; none where a pass is not finite.
+    pub fn new(problem: &Problem, refitted: Refitted) -> Option<Self> {
+        let refitted = refitted.over_all(problem)?;
+        let windows = WindowFit::new(problem, &refitted)?;
+        Some(Self { assessed: assess(problem, refitted)?, windows })
+    }
 }

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use crate::likelihood::filter::{Driven, Innovations, Path, Prepared};
 use crate::likelihood::inverse::{Motion, Residual};
-use crate::likelihood::{Acting, Noise, Window};
+use crate::likelihood::{Acting, MissingTorque, Noise, Window};
 use crate::physics::Physics;
 use crate::problem::Problem;
 
@@ -31,21 +31,12 @@ fn blocks(problem: &Problem, recording: usize, innovations: &Innovations) -> Vec
     problem.blocks[recording].iter().map(|block| innovations.log_likelihood[block.clone()].iter().sum()).collect()
 }
 
-/// The log-likelihood of the first `many` recordings under a machine and the noise of each; none for a machine the plant refuses or a pass that is
-/// not finite.
+/// The log-likelihood of the first `many` recordings under a machine and the noise of each; none for a machine the plant refuses
+/// or a pass that is not finite.
 pub fn evaluate(problem: &Problem, physics: &Physics, noise: &[Noise], many: usize) -> Option<Evaluation> {
     let one = |index: usize| {
         let (prepared, acting) = prepare(problem, physics, index)?;
-        let innovations = match problem.motions.get(index) {
-            Some(motion) => {
-                let residual = residual(problem, index, motion, &prepared, &acting);
-                prepared.whiten(motion, &problem.recordings[index], &residual, &noise[index])
-            }
-            None => {
-                problem.spend(prepared.cost() * problem.grids[index].substeps());
-                prepared.run(driven(problem, index, &acting), &noise[index])
-            }
-        };
+        let (innovations, _) = pass(problem, index, &prepared, &acting, &noise[index], Keep::Innovations);
         let blocks = blocks(problem, index, &innovations);
         blocks.iter().all(|block| block.is_finite()).then_some((innovations, blocks))
     };
@@ -56,6 +47,35 @@ pub fn evaluate(problem: &Problem, physics: &Physics, noise: &[Noise], many: usi
 
 fn prepare(problem: &Problem, physics: &Physics, index: usize) -> Option<(Prepared, Acting)> {
     Some((Prepared::new(physics, index, problem.step), acting(problem, physics, index)?))
+}
+
+/// What is kept of a pass.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Keep {
+    Innovations,
+    Path,
+}
+
+/// What one recording leaves; with the filter's path where that is kept and the motion is not given.
+fn pass(
+    problem: &Problem,
+    index: usize,
+    prepared: &Prepared,
+    acting: &Acting,
+    noise: &Noise,
+    keep: Keep,
+) -> (Innovations, Option<Path>) {
+    if let Some(motion) = problem.motions.get(index) {
+        let residual = residual(problem, index, motion, prepared, acting);
+        return (prepared.whiten(motion, &problem.recordings[index], &residual, noise), None);
+    }
+    problem.spend(prepared.cost() * problem.grids[index].substeps());
+    let driven = driven(problem, index, acting);
+    if keep == Keep::Innovations {
+        return (prepared.run(driven, noise), None);
+    }
+    let (innovations, path) = prepared.run_kept(driven, noise);
+    (innovations, Some(path))
 }
 
 /// What acts in a recording.
@@ -96,17 +116,7 @@ pub(crate) struct KeptRecording {
 pub(crate) fn kept(problem: &Problem, physics: &Physics, noise: &[Noise], many: usize) -> Option<Kept> {
     let one = |index: usize| {
         let (prepared, acting) = prepare(problem, physics, index)?;
-        let (innovations, path) = match problem.motions.get(index) {
-            Some(motion) => {
-                let residual = residual(problem, index, motion, &prepared, &acting);
-                (prepared.whiten(motion, &problem.recordings[index], &residual, &noise[index]), None)
-            }
-            None => {
-                problem.spend(prepared.cost() * problem.grids[index].substeps());
-                let (innovations, path) = prepared.run_kept(driven(problem, index, &acting), &noise[index]);
-                (innovations, Some(path))
-            }
-        };
+        let (innovations, path) = pass(problem, index, &prepared, &acting, &noise[index], Keep::Path);
         Some(KeptRecording { prepared, acting, innovations, path })
     };
     let recordings: Option<Vec<KeptRecording>> = (0..many).into_par_iter().map(one).collect();
@@ -153,15 +163,17 @@ impl Kept {
         }
     }
 
-    /// Sensitivity of half the squared whitened innovations of one recording to a torque in each substep, with the sign of the
-    /// torque that is missing; `holds` as in [`Prepared::missing_torque`].
-    pub(crate) fn missing_torque(&self, problem: &Problem, index: usize, holds: bool) -> Vec<f64> {
+    /// The torque that is missing in each substep of one recording, as [`Prepared::missing_torque`] has it.
+    pub(crate) fn missing_torque(&self, problem: &Problem, index: usize) -> MissingTorque {
         let kept = &self.recordings[index];
         let driven = driven(problem, index, &kept.acting);
         match (&kept.path, problem.motions.get(index)) {
-            (Some(path), _) => kept.prepared.missing_torque(path, &kept.innovations, driven.grid, holds),
-            (None, Some(motion)) => kept.prepared.missing_along(motion, driven, &kept.innovations, &self.noise[index]),
-            (None, None) => vec![0.0; driven.grid.substeps()],
+            (Some(path), _) => kept.prepared.missing_torque(path, &kept.innovations, driven.grid),
+            (None, Some(motion)) => {
+                let missing = kept.prepared.missing_along(motion, driven, &kept.innovations, &self.noise[index]);
+                MissingTorque { if_free: missing.clone(), held: missing }
+            }
+            (None, None) => MissingTorque::none(driven.grid.substeps()),
         }
     }
 }

@@ -1,11 +1,13 @@
 //! Values of a hypothesis by maximum likelihood: Levenberg-Marquardt on the linearised pass.
 
+use std::ops::Range;
+
 use nalgebra::{DMatrix, DVector};
 
 use super::Hypothesis;
-use super::evaluate::{Evaluation, Kept, evaluate, kept, noise_of};
-use crate::likelihood::Noise;
+use super::evaluate::{Evaluation, Kept, KeptRecording, evaluate, kept, noise_of};
 use crate::likelihood::filter::HUBER;
+use crate::likelihood::{Innovations, Noise};
 use crate::physics::Physics;
 use crate::problem::Problem;
 
@@ -178,6 +180,44 @@ pub(crate) fn columns(problem: &Problem, hypothesis: &Hypothesis, path: &Kept) -
         .collect()
 }
 
+/// The normal equations of one recording: one column a value, each of one vector a recording.
+pub(crate) struct Equations<'a> {
+    innovations: &'a Innovations,
+    columns: &'a [Vec<Vec<f64>>],
+    recording: usize,
+    /// Which values the recording tells.
+    told: &'a [bool],
+}
+
+impl KeptRecording {
+    pub(crate) fn equations<'a>(
+        &'a self,
+        columns: &'a [Vec<Vec<f64>>],
+        recording: usize,
+        told: &'a [bool],
+    ) -> Equations<'a> {
+        Equations { innovations: &self.innovations, columns, recording, told }
+    }
+}
+
+impl Equations<'_> {
+    /// Adds what some rows tell to a gradient and to the lower triangle of an information.
+    pub(crate) fn add_rows(&self, rows: Range<usize>, gradient: &mut DVector<f64>, information: &mut DMatrix<f64>) {
+        let many = self.columns.len();
+        for row in rows.filter(|&row| self.innovations.counted[row]) {
+            let whitened = self.innovations.whitened[row];
+            let weight = (HUBER / whitened.abs()).min(1.0);
+            for i in (0..many).filter(|&i| self.told[i]) {
+                let a = weight * self.columns[i][self.recording][row];
+                gradient[i] -= a * whitened;
+                for j in (0..=i).filter(|&j| self.told[j]) {
+                    information[(i, j)] += a * self.columns[j][self.recording][row];
+                }
+            }
+        }
+    }
+}
+
 fn normal_equations(problem: &Problem, hypothesis: &Hypothesis, path: &Kept) -> Option<(DMatrix<f64>, DVector<f64>)> {
     // A value that the plant lets go neither way is held where it is.
     let still = || path.recordings.iter().map(|kept| vec![0.0; kept.innovations.whitened.len()]).collect();
@@ -192,25 +232,10 @@ fn normal_equations(problem: &Problem, hypothesis: &Hypothesis, path: &Kept) -> 
     for (index, kept) in path.recordings.iter().enumerate() {
         // What is held out tells nothing but the values that belong to it alone.
         let told: Vec<bool> = alone.iter().map(|of| index < problem.fitted || *of == Some(index)).collect();
-        for (row, &whitened) in kept.innovations.whitened.iter().enumerate() {
-            if !kept.innovations.counted[row] {
-                continue;
-            }
-            let weight = (HUBER / whitened.abs()).min(1.0);
-            for i in (0..many).filter(|&i| told[i]) {
-                let a = weight * columns[i][index][row];
-                gradient[i] -= a * whitened;
-                for j in (0..=i).filter(|&j| told[j]) {
-                    information[(i, j)] += a * columns[j][index][row];
-                }
-            }
-        }
+        let of_recording = kept.equations(&columns, index, &told);
+        of_recording.add_rows(0..kept.innovations.whitened.len(), &mut gradient, &mut information);
     }
-    for i in 0..many {
-        for j in 0..i {
-            information[(j, i)] = information[(i, j)];
-        }
-    }
+    information.fill_upper_triangle_with_lower_triangle();
     information.iter().all(|value: &f64| value.is_finite()).then_some((information, gradient))
 }
 

@@ -9,7 +9,7 @@ pub(crate) mod inverse;
 mod noise;
 
 pub use acting::{Acting, Grid};
-pub(crate) use along::Window;
+pub(crate) use along::{MissingTorque, Window};
 pub use filter::Innovations;
 pub use noise::Noise;
 pub(crate) use noise::Rounding;

@@ -26,36 +26,31 @@ const INDEPENDENT_LENGTHS: usize = 3;
 
 /// What the motion excites, with the orders, tones and pushes that stand out of what a pass leaves.
 pub(crate) fn seek(problem: &Problem, path: &Kept) -> Excitation {
-    let missing = |holds: bool| -> Vec<Missing<'_>> {
-        let of = |(index, kept)| of_recording(problem, path, index, kept, holds);
-        path.recordings.iter().enumerate().map(of).collect()
-    };
-    let (missing, if_free) = (missing(true), missing(false));
+    let missing: Vec<Missing<'_>> =
+        path.recordings.iter().enumerate().map(|(index, kept)| of_recording(problem, path, index, kept)).collect();
     let mut excitation = problem.excitation.clone();
     excitation.orders = orders(&missing, &problem.excitation, |_, _| 1.0);
     // A ripple's missing torque goes along with the drive's.
     excitation.ripple_orders = orders(&missing, &problem.excitation, |one, row| one.drive[row]);
     excitation.tones = tones(&missing, excitation.recordings);
-    excitation.pulses = pushes(&if_free, problem.motions.first().map_or(0.0, Motion::support_s));
+    excitation.pulses = pushes(&missing, problem.motions.first().map_or(0.0, Motion::support_s));
     excitation.glitch = glitch(path);
     let rows = missing.iter().map(|one| one.torque.len()).max().unwrap_or(0) as f64;
     excitation.looked_at = [HIGHEST_ORDER as f64, rows, rows * PUSHES_S.len() as f64];
     excitation
 }
 
-fn of_recording<'a>(
-    problem: &'a Problem,
-    path: &Kept,
-    index: usize,
-    kept: &'a KeptRecording,
-    holds: bool,
-) -> Missing<'a> {
+fn of_recording<'a>(problem: &'a Problem, path: &Kept, index: usize, kept: &'a KeptRecording) -> Missing<'a> {
     let grid = &problem.grids[index];
-    let fine = path.missing_torque(problem, index, holds);
+    let fine = path.missing_torque(problem, index);
     // One value a row: the sum over its substeps.
-    let sum = |row: usize| fine[grid.first[row] as usize..grid.first[row + 1] as usize].iter().sum();
+    let rows = |fine: &[f64]| -> Vec<f64> {
+        let sum = |row: usize| fine[grid.first[row] as usize..grid.first[row + 1] as usize].iter().sum();
+        (0..grid.dt_s.len()).map(sum).collect()
+    };
     Missing {
-        torque: (0..grid.dt_s.len()).map(sum).collect(),
+        torque: rows(&fine.held),
+        if_free: rows(&fine.if_free),
         drive: mean_over_rows(&kept.acting.drive, grid),
         position: &kept.innovations.position,
         t_s: &problem.recordings[index].t_s,
@@ -85,6 +80,8 @@ fn glitch(path: &Kept) -> Option<(f64, f64)> {
 
 struct Missing<'a> {
     torque: Vec<f64>,
+    /// As if dry friction held nothing of it.
+    if_free: Vec<f64>,
     /// The drive's, N m (N).
     drive: Vec<f64>,
     position: &'a [f64],
@@ -178,7 +175,7 @@ fn pushes(missing: &[Missing<'_>], smeared_s: f64) -> Vec<(usize, Pulse, f64)> {
     let mut found: Vec<(f64, usize, Pulse)> = Vec::new();
     for (recording, one) in missing.iter().enumerate() {
         let mut sums = vec![0.0];
-        for torque in &one.torque {
+        for torque in &one.if_free {
             sums.push(sums[sums.len() - 1] + torque);
         }
         let period_s = (one.t_s[one.torque.len()] - one.t_s[0]) / one.torque.len().max(1) as f64;
