@@ -2,7 +2,7 @@
 //!
 //! State: position, speed, rounding of the sensor, then what the machine has of twist and twist rate of a shaft, bristle torque
 //! of dry friction, torque of the fluid's spring, heat in friction and fluid. Torques are averages over the substep; position
-//! torques act in its middle (Verlet); linear drag is exact; dry friction is the proximal step of `gaussian`.
+//! torques act in its middle (Verlet); linear drag is exact; dry friction is the step of `gaussian`, with the turn within it.
 
 // Matrices are read by their indices, as the equations have them.
 #![allow(clippy::needless_range_loop)]
@@ -14,7 +14,7 @@ use plant::laws::{Friction, PositionTorque, Ripple, ShaftLaw};
 use plant::{FluidResponse, Model};
 
 use super::acting::Acting;
-use super::gaussian::soft_threshold;
+use super::gaussian::{dry_friction, soft_threshold};
 pub(crate) use covariance::Linear;
 
 /// Places of the states that every machine has.
@@ -87,6 +87,13 @@ struct Free {
     spring: (f64, f64),
     /// Torque of bristle and spring.
     elastic: f64,
+}
+
+impl Free {
+    /// What the torques add to the speed.
+    fn push(&self, x: &[f64]) -> f64 {
+        self.speed - self.kept * x[SPEED]
+    }
 }
 
 impl Laws {
@@ -272,7 +279,7 @@ impl Laws {
     #[inline]
     pub(crate) fn mean<const N: usize>(&self, x: &[f64; N], step: &Substep, speed_sd: f64, twist_sd: f64) -> [f64; N] {
         let free = self.free(x, step, twist_sd);
-        let speed = soft_threshold(free.speed, speed_sd, free.up, free.down).mean;
+        let speed = dry_friction(free.speed, speed_sd, free.push(x), free.up, free.down).mean;
         self.moved(x, step, &free, speed)
     }
 

@@ -1,6 +1,6 @@
 //! The covariance of the belief over a substep: Jacobian, noise, and what a linearised pass needs of them.
 
-use super::super::gaussian::{Thresholded, soft_threshold};
+use super::super::gaussian::{Thresholded, dry_friction};
 use super::super::noise::{Noise, Rounding};
 use super::{Free, Laws, POSITION, ROUNDING, SPEED, Substep};
 
@@ -27,7 +27,7 @@ impl Laws {
             }
         }
         let speed_sd = variance.max(1e-300).sqrt();
-        let speed = soft_threshold(free.speed, speed_sd, free.up, free.down);
+        let speed = dry_friction(free.speed, speed_sd, free.push(x), free.up, free.down);
         let (mut jacobian, push) = self.jacobian(x, step, &free, &row, &speed);
         let next = self.moved(x, step, &free, speed.mean);
         let kept = rounding.kept(next[POSITION] - x[POSITION]);
@@ -91,12 +91,13 @@ impl Laws {
             line[i] = 1.0;
         }
         for j in 0..N {
-            f[SPEED][j] = speed.slope * row[j];
+            let pushed = row[j] - if j == SPEED { free.kept } else { 0.0 };
+            f[SPEED][j] = speed.slope * row[j] + speed.per_push * pushed;
             f[POSITION][j] += half_s * f[SPEED][j];
         }
         f[POSITION][SPEED] += half_s;
         let mut push = [0.0; N];
-        push[SPEED] = speed.slope * free.gain;
+        push[SPEED] = (speed.slope + speed.per_push) * free.gain;
         push[POSITION] = half_s * push[SPEED];
         if let (Some(at), Some(law)) = (self.twist, &self.shaft) {
             let pull = step.dt_s * law.per_load_inertia * free.shaft.1;
