@@ -30,10 +30,12 @@ pub struct Physics {
     pub pushes: Vec<Push>,
     /// A sine from outside.
     pub tone: Option<Tone>,
-    /// The torque column lags the position column by this, s; negative where it leads.
+    /// The position column lags the torque column by this, s; negative where it leads.
     pub skew_s: f64,
     /// The torque column is a measurement behind a first-order filter of this time constant, s.
     pub torque_filter_s: f64,
+    /// The torque that acts is the mean of the commands of this time before, s.
+    pub command_blur_s: f64,
     /// Share of wrong samples and their size, rad (m).
     pub glitch: Option<(f64, f64)>,
 }
@@ -41,7 +43,15 @@ pub struct Physics {
 impl Physics {
     /// The machine and nothing else.
     pub fn new(model: Model) -> Self {
-        Self { model, pushes: Vec::new(), tone: None, skew_s: 0.0, torque_filter_s: 0.0, glitch: None }
+        Self {
+            model,
+            pushes: Vec::new(),
+            tone: None,
+            skew_s: 0.0,
+            torque_filter_s: 0.0,
+            command_blur_s: 0.0,
+            glitch: None,
+        }
     }
 
     /// The plant's model for one recording.

@@ -1,6 +1,6 @@
 //! From recordings to the conclusion; the only place that knows every stage.
 
-use crate::confidence_set::{Comparison, Interval, Step, excluded, intervals};
+use crate::confidence_set::{Comparison, Interval, LEVEL_OF_THE_SET, Step, excluded, intervals};
 use crate::effects::{Effect, VOCABULARY};
 use crate::goodness::{Predictor, predictors};
 use crate::hypothesis::{Entry, Hypothesis, Refitted};
@@ -19,6 +19,8 @@ pub struct Named {
     pub intervals: Vec<Interval>,
     /// What the recordings cannot tell from it, best first.
     pub equivalent: Vec<&'static Effect>,
+    /// What is no effect of the vocabulary and predicts as much with as few free values, or certainly more.
+    pub nuisances: Vec<&'static Effect>,
     /// Whether one of those is as simple.
     pub standing: Standing,
     /// Probability that chance brings as much, corrected for all that was tried.
@@ -72,12 +74,12 @@ const MOST_EQUIVALENTS: usize = 3;
 fn equivalent(
     problem: &Problem,
     effect: &'static Effect,
-    alike: &[(f64, usize, &'static Effect)],
+    alike: impl Iterator<Item = &'static Effect>,
 ) -> Vec<&'static Effect> {
     let always = VOCABULARY.iter().copied().filter(|other| problem.nominal.indistinct(effect, other));
     let mut all: Vec<&'static Effect> = always.collect();
-    for (_, _, other) in alike {
-        if !all.contains(other) {
+    for other in alike {
+        if !all.contains(&other) {
             all.push(other);
         }
     }
@@ -105,6 +107,35 @@ pub fn diagnose(problem: &Problem, vocabulary: &[&'static Effect]) -> Option<Con
     })
 }
 
+/// What the recordings do not tell from one entry of the best.
+#[derive(Default)]
+struct Beside<'a> {
+    /// Hypotheses that an effect of the vocabulary makes in its place, with the log-likelihood by which each is worse.
+    alike: Vec<(f64, &'a Hypothesis, usize, &'static Effect)>,
+    /// What is no effect.
+    nuisances: Vec<&'static Effect>,
+}
+
+fn beside<'a>(found: &'a Found, excluded: &[bool], at: usize) -> Beside<'a> {
+    let own = found.best.assessed.freedom();
+    let mut beside = Beside::default();
+    for (rival, excluded) in found.rivals.iter().zip(excluded).filter(|(rival, _)| rival.place == at) {
+        let hypothesis = &rival.step.assessed.refitted.hypothesis;
+        let freedom = rival.step.assessed.freedom();
+        let Some(other) = hypothesis.entries.last().map(|entry| entry.effect) else { continue };
+        if !other.nameable {
+            let certainly_better = rival.behind.reversed().p_value() < LEVEL_OF_THE_SET;
+            if certainly_better || (!excluded && freedom <= own) {
+                beside.nuisances.push(other);
+            }
+        } else if !excluded && !beside.alike.iter().any(|(.., effect)| *effect == other) {
+            beside.alike.push((rival.behind.difference, hypothesis, freedom, other));
+        }
+    }
+    beside.alike.sort_by(|a, b| a.0.total_cmp(&b.0));
+    beside
+}
+
 fn named(problem: &Problem, found: &Found) -> (Vec<Named>, Vec<Hypothesis>) {
     let best = &found.best.assessed;
     let mut in_the_set: Vec<(f64, Hypothesis)> = Vec::new();
@@ -112,24 +143,16 @@ fn named(problem: &Problem, found: &Found) -> (Vec<Named>, Vec<Hypothesis>) {
     let excluded = excluded(&comparisons);
     let mut effects: Vec<Named> = Vec::new();
     for (at, entry) in best.refitted.hypothesis.entries.iter().enumerate() {
-        let mut alike: Vec<(f64, usize, &'static Effect)> = Vec::new();
-        for (index, rival) in found.rivals.iter().enumerate().filter(|(_, rival)| rival.place == at) {
-            let assessed = &rival.step.assessed;
-            let Some(other) = assessed.refitted.hypothesis.entries.last() else { continue };
-            if !excluded[index] && !alike.iter().any(|(_, _, effect)| *effect == other.effect) {
-                alike.push((rival.behind.difference, assessed.freedom(), other.effect));
-                if !problem.nominal.indistinct(entry.effect, other.effect) {
-                    in_the_set.push((rival.behind.difference, assessed.refitted.hypothesis.clone()));
-                }
+        let Beside { alike, nuisances } = beside(found, &excluded, at);
+        let told = |other: &Effect| !problem.nominal.indistinct(entry.effect, other);
+        let others = alike.iter().filter(|(.., other)| told(other));
+        in_the_set.extend(others.clone().map(|(difference, hypothesis, ..)| (*difference, (*hypothesis).clone())));
+        let standing = match others.map(|(_, _, freedom, _)| *freedom).min() {
+            _ if !nuisances.is_empty() || at >= found.looked_at || best.collinear(at) > MOST_COLLINEAR => {
+                Standing::Contested
             }
-        }
-        alike.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let own = best.freedom();
-        let same = |other: &Effect| problem.nominal.indistinct(entry.effect, other);
-        let standing = match alike.iter().filter(|(_, _, other)| !same(other)).map(|(_, freedom, _)| *freedom).min() {
-            _ if at >= found.looked_at || best.collinear(at) > MOST_COLLINEAR => Standing::Contested,
             None => Standing::Certain,
-            Some(fewest) if fewest > own => Standing::CertainBySimplicity,
+            Some(fewest) if fewest > best.freedom() => Standing::CertainBySimplicity,
             Some(_) => Standing::Contested,
         };
         let (p_value, gain) = found.evidence.get(at).copied().unwrap_or((1.0, 0.0));
@@ -137,7 +160,8 @@ fn named(problem: &Problem, found: &Found) -> (Vec<Named>, Vec<Hypothesis>) {
             effect: entry.effect,
             entry: entry.clone(),
             intervals: intervals(best, at),
-            equivalent: equivalent(problem, entry.effect, &alike),
+            equivalent: equivalent(problem, entry.effect, alike.iter().map(|(.., other)| *other)),
+            nuisances,
             standing,
             p_value,
             gain,

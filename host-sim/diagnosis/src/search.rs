@@ -4,7 +4,7 @@ use rayon::prelude::*;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use crate::confidence_set::{Assessed, Comparison, Step, compare, excluded};
-use crate::effects::Effect;
+use crate::effects::{Effect, NUISANCES};
 use crate::hypothesis::{Entry, Hypothesis, Refitted, kept, noise_of, refit};
 use crate::likelihood::Noise;
 use crate::problem::Problem;
@@ -277,6 +277,12 @@ fn gain(problem: &Problem, with: &Step, without: &Step, entry: usize) -> f64 {
     .unwrap_or_else(|| with.windows.gain_over(&without.windows, problem))
 }
 
+/// What competes beside a vocabulary and may not be named: all but what is an effect of it under another name.
+fn nuisances(vocabulary: &[&'static Effect]) -> impl Iterator<Item = &'static Effect> {
+    let named: Vec<&'static str> = vocabulary.iter().map(|effect| effect.id).collect();
+    NUISANCES.iter().copied().filter(move |one| !one.alike.iter().any(|id| named.contains(id)))
+}
+
 /// Drops what is not missed, refits what may stand in the place of each entry, and goes on from a simpler one that these
 /// recordings do not tell from the best.
 // Over 40 lines: one pass over the entries that begins again where one of them goes.
@@ -319,7 +325,8 @@ fn neighbourhood(
             continue;
         }
         let own = hypothesis.entries[at].effect;
-        let others: Vec<&'static Effect> = vocabulary.iter().copied().filter(|effect| *effect != own).collect();
+        let others: Vec<&'static Effect> =
+            vocabulary.iter().copied().filter(|effect| *effect != own).chain(nuisances(vocabulary)).collect();
         let found =
             extend(problem, &without.assessed.refitted, &candidates(problem, &without.assessed.refitted, &others));
         // What does not explain what is missing here by itself is no rival, however little tells it apart.
@@ -333,7 +340,8 @@ fn neighbourhood(
         let found: Vec<Step> = found.into_iter().take(REFITTED).filter_map(rival).collect();
         let comparisons: Vec<Comparison> = found.iter().map(|rival| compare(problem, &best, rival)).collect();
         let mut rivals_in_the_set = found.iter().zip(excluded(&comparisons)).filter(|(_, out)| !out);
-        let simpler = rivals_in_the_set.find(|(rival, _)| rival.assessed.freedom() < best.assessed.freedom());
+        let simpler = rivals_in_the_set
+            .find(|(rival, _)| rival.may_be_named() && rival.assessed.freedom() < best.assessed.freedom());
         if let Some((simpler, _)) = simpler {
             // The new entry stands last.
             tried.remove(at);

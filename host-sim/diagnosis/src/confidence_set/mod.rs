@@ -29,4 +29,9 @@ impl Step {
         let windows = WindowFit::new(problem, &refitted)?;
         Some(Self { assessed: assess(problem, refitted)?, windows })
     }
+
+    /// Whether all of its effects may be named.
+    pub fn may_be_named(&self) -> bool {
+        self.assessed.refitted.hypothesis.entries.iter().all(|entry| entry.effect.nameable)
+    }
 }

@@ -21,6 +21,7 @@ mod friction_asymmetry;
 mod gravity_load;
 mod inertia;
 mod load_dependent_friction;
+mod nuisances;
 mod presliding;
 mod quadratic_drag;
 mod resolver_eccentricity;
@@ -48,6 +49,7 @@ use plant::effects::{Harmonic, Pulse};
 
 use crate::physics::{Physics, Tone};
 
+pub use nuisances::NUISANCES;
 pub use size::Size;
 
 /// One number of an effect that the fit moves.
@@ -198,6 +200,8 @@ pub struct Effect {
     pub measured_by: Option<&'static str>,
     /// It is part of the first hypothesis of a machine that can have it: other effects stand in for it where it is missing.
     pub first: bool,
+    /// It may be the answer; else it only competes.
+    pub nameable: bool,
 }
 
 /// What most entries have; an entry overrides what it has otherwise.
@@ -222,6 +226,7 @@ pub(crate) const PLAIN: Effect = Effect {
     alike: &[],
     measured_by: None,
     first: false,
+    nameable: true,
 };
 
 impl std::fmt::Debug for Effect {

@@ -210,7 +210,8 @@ fn same_actuation(one: &Physics, other: &Physics) -> bool {
         } = &p.model;
         (
             (*torque_gain, *torque_offset, *torque_limit, *torque_deadband),
-            (*torque_delay_s, *torque_lag_s, sensor.latency_s, p.skew_s, p.torque_filter_s),
+            (*torque_delay_s, *torque_lag_s, sensor.latency_s, p.skew_s),
+            (p.torque_filter_s, p.command_blur_s),
             er.clone(),
         )
     };

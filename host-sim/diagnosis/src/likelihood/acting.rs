@@ -67,7 +67,8 @@ impl Acting {
     /// measurement is a sample, and stands for half a row to either side.
     pub fn new(physics: &Physics, index: usize, recorded: &Recorded, grid: &Grid, measured: bool) -> Option<Self> {
         let model = physics.model_of(index);
-        let commands = unfiltered(recorded, physics.torque_filter_s);
+        let commands =
+            unfiltered(recorded, physics.torque_filter_s).or_else(|| blurred(recorded, physics.command_blur_s));
         let commands: &[Command] = commands.as_deref().unwrap_or(&recorded.commands);
         let before = Command { speed_estimate: 0.0, ..commands.first().copied().unwrap_or_default() };
         let timeline = Timeline::new(&model, &recorded.t_s, commands, &before).ok()?;
@@ -195,4 +196,34 @@ fn unfiltered(recorded: &Recorded, tau_s: f64) -> Option<Vec<Command>> {
         if to > from { (commands[to].torque - commands[from].torque) / (t_s[to] - t_s[from]) } else { 0.0 }
     };
     Some((0..=last).map(|row| Command { torque: commands[row].torque + tau_s * rate(row), ..commands[row] }).collect())
+}
+
+/// The commands whose torque is the mean of what was commanded in the last `over_s`, looked at in the middle of each row's interval.
+fn blurred(recorded: &Recorded, over_s: f64) -> Option<Vec<Command>> {
+    if over_s <= 0.0 {
+        return None;
+    }
+    let (t_s, commands) = (&recorded.t_s, &recorded.commands);
+    let mut sums = vec![0.0];
+    for (row, pair) in t_s.windows(2).enumerate() {
+        sums.push(sums[row] + commands[row].torque * (pair[1] - pair[0]));
+    }
+    let first = commands.first()?.torque;
+    let mut from = 0;
+    let means = (0..commands.len()).map(|row| {
+        let middle_s = t_s.get(row + 1).map_or(t_s[row], |next_s| 0.5 * (t_s[row] + next_s));
+        let began_s = middle_s - over_s;
+        while from + 1 < t_s.len() && t_s[from + 1] <= began_s {
+            from += 1;
+        }
+        let until = sums[row] + commands[row].torque * (middle_s - t_s[row]);
+        // Before the first row its command held.
+        let before = if began_s < t_s[0] {
+            first * (began_s - t_s[0])
+        } else {
+            sums[from] + commands[from].torque * (began_s - t_s[from])
+        };
+        Command { torque: (until - before) / over_s, ..commands[row] }
+    });
+    Some(means.collect())
 }
