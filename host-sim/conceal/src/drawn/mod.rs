@@ -299,7 +299,7 @@ fn beside(setting: &Setting) -> Vec<String> {
     let mut beside = Vec::new();
     if setting.measured.is_some() {
         // The torque of the instant stands where a command that is held would: half a row, and what was drawn.
-        beside.extend(["sensor_latency", "torque_delay", "torque_lag"].map(str::to_owned));
+        beside.extend(["channel_skew", "sensor_latency", "torque_delay", "torque_lag"].map(str::to_owned));
     }
     if setting.noise.ripple.is_some() {
         beside.push("cogging".to_owned());

@@ -211,6 +211,7 @@ mod tests {
             id: "gravity_load".into(),
             text: String::new(),
             equivalent: Vec::new(),
+            nuisances: Vec::new(),
             parameters: vec![value],
             evidence: Evidence { heldout_gain: 0.5, p_value: 1e-12, excess_explained: 0.5 },
             recording: None,

@@ -97,6 +97,7 @@ fn effect(problem: &Problem, named: &Named, (fit, expected): (&FitAnswer, f64), 
         id: named.effect.id.to_owned(),
         text: named.effect.sentence.to_owned(),
         equivalent: named.equivalent.iter().map(|effect| effect.id.to_owned()).collect(),
+        nuisances: named.nuisances.iter().map(|one| one.sentence.to_owned()).collect(),
         parameters: kinds
             .iter()
             .zip(&named.intervals)

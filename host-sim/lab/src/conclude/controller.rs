@@ -38,6 +38,7 @@ fn answer(config: &Config, recording: &Recording, difference: &Difference) -> Ef
         id: crate::read::vocabulary::CONTROLLER.to_owned(),
         text,
         equivalent: Vec::new(),
+        nuisances: Vec::new(),
         parameters: Vec::new(),
         evidence: Evidence { heldout_gain: 0.0, p_value: 0.0, excess_explained: 0.0 },
         recording: Some(recording.name.clone()),

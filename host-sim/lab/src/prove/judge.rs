@@ -107,11 +107,15 @@ fn concealed(truth: &Truth) -> BTreeSet<&str> {
     truth.effects.iter().map(|effect| effect.id.as_str()).collect()
 }
 
+/// Kinds that were outside the vocabulary when a plan was made, and the effects that are the same law now.
+const NAMED_SINCE: [(&str, &str); 1] = [("friction_by_load", "load_dependent_friction")];
+
 /// What an answer may name without being wrong: what was concealed, and what stands for the log or the noise of a drawn machine.
 /// Under a name that was taken out, or never was, nothing is.
 fn there(truth: &Truth, id: &str) -> bool {
     let beside = || truth.machine.iter().flat_map(|machine| &machine.beside).any(|other| other == id);
-    nameable(truth) && concealed(truth).contains(id) || beside()
+    let since = || NAMED_SINCE.iter().any(|(kind, effect)| concealed(truth).contains(kind) && *effect == id);
+    nameable(truth) && concealed(truth).contains(id) || since() || beside()
 }
 
 /// `named` with a first effect that is not there.

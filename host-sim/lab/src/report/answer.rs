@@ -92,6 +92,9 @@ pub struct EffectAnswer {
     pub text: String,
     /// Effects that these recordings cannot tell from it, best first.
     pub equivalent: Vec<String>,
+    /// What explains the recordings as well and is no effect of the vocabulary, in words.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub nuisances: Vec<String>,
     /// Values in the improved model.
     pub parameters: Vec<Interval>,
     /// Why it is believed.

@@ -77,6 +77,9 @@ fn write_effect(text: &mut String, effect: &EffectAnswer) -> std::fmt::Result {
     if !effect.equivalent.is_empty() {
         writeln!(text, "  these recordings cannot tell it from: {}", effect.equivalent.join(", "))?;
     }
+    if !effect.nuisances.is_empty() {
+        writeln!(text, "  as good, and no effect of a machine: {}", effect.nuisances.join("; "))?;
+    }
     Ok(())
 }
 
@@ -131,6 +134,7 @@ mod tests {
             id: "cogging".into(),
             text: "Torque repeats over a revolution.".into(),
             equivalent: Vec::new(),
+            nuisances: Vec::new(),
             parameters: vec![parameter],
             evidence: Evidence { heldout_gain: 0.9999, p_value: 1e-13, excess_explained: 1.0 },
             recording: None,

@@ -43,6 +43,12 @@ fn effect(effect: &EffectAnswer) -> String {
     } else {
         format!("<p class=\"note\">These recordings cannot tell it from {}.</p>", others.join(", "))
     };
+    let nuisances: Vec<String> = effect.nuisances.iter().map(|one| text(one).to_string()).collect();
+    let others = if nuisances.is_empty() {
+        others
+    } else {
+        format!("{others}<p class=\"note\">As good, and no effect of a machine: {}.</p>", nuisances.join("; "))
+    };
     let event = effect.recording.as_ref().map_or_else(String::new, |name| format!(" in {}", text(name)));
     let (heading, id) = (text(&title(&effect.id)), text(&effect.id));
     let values = if effect.parameters.is_empty() { String::new() } else { values };

@@ -20,6 +20,7 @@ fn answer(verdict: Verdict) -> Answer {
         id: "coulomb_friction".to_owned(),
         text: hostile.clone(),
         equivalent: vec![hostile.clone()],
+        nuisances: vec![hostile.clone()],
         parameters: vec![Interval {
             id: "coulomb_nm".to_owned(),
             value: 0.9501,
