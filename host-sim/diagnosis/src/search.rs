@@ -162,7 +162,8 @@ pub fn p_value(assessed: &Assessed, entry: usize, gain: f64, odds: Odds) -> f64 
     let of = &assessed.refitted.hypothesis.entries[entry];
     let freedom = of.effect.freedom(&of.values).max(1) as f64;
     let statistic = 2.0 * gain / assessed.inflation(entry);
-    if statistic.is_nan() || statistic <= 0.0 {
+    // Below the smallest normal number the distribution's argument would be rounded to 0, which it panics on.
+    if statistic.is_nan() || statistic < f64::MIN_POSITIVE {
         return 1.0;
     }
     let single = ChiSquared::new(freedom).map_or(1.0, |chi| chi.sf(statistic));

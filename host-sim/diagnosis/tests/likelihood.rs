@@ -1,20 +1,20 @@
 //! The likelihood and the judge on recordings of the plant, where the truth is known.
 #![allow(clippy::unwrap_used)]
 
-use diagnosis::effects::VOCABULARY;
+mod common;
+
+use common::{Making, STEP_RAD, recording};
+use diagnosis::confidence_set::assess;
+use diagnosis::effects::{VOCABULARY, find};
 use diagnosis::hypothesis::{Hypothesis, evaluate, refit};
 use diagnosis::physics::Physics;
 use diagnosis::pipeline::diagnose;
 use diagnosis::problem::Problem;
-use diagnosis::recorded::Recorded;
 use diagnosis::search::{first_noise, nominal};
 use diagnosis::verdict::Verdict;
 use diagnosis::windows::WindowFit;
-use plant::sensor::{Sampler, SamplerConfig, TorqueNoise};
-use plant::{Command, Model, Plant, State};
+use plant::Model;
 
-const PERIOD_S: f64 = 1e-3;
-const STEP_RAD: f64 = 1.28e-5;
 const SECONDS: f64 = 4.0;
 
 /// Open-loop torques that move either way, rest and reverse.
@@ -22,31 +22,6 @@ fn torque(t_s: f64, phase: f64) -> f64 {
     2.5 * (3.1 * t_s + phase).sin()
         + 1.5 * (11.0 * t_s + 2.0 * phase).sin()
         + if (t_s * 1.3) % 1.0 < 0.2 { 0.0 } else { 0.4 }
-}
-
-fn recording(model: &Model, seed: u64, noise_nm: f64, step_rad: f64) -> Recorded {
-    let mut plant = Plant::new(model, State::default(), 0.0).unwrap();
-    let sampler = SamplerConfig { resolution: step_rad, noise_sd: 0.3 * step_rad, ..SamplerConfig::default() };
-    let mut sampler = Sampler::new(sampler, seed).unwrap();
-    let mut noise = TorqueNoise::new(noise_nm, seed).unwrap();
-    let rows = (SECONDS / PERIOD_S) as usize;
-    let (mut t_s, mut position, mut commands) = (Vec::new(), Vec::new(), Vec::new());
-    for row in 0..rows {
-        let at_s = row as f64 * PERIOD_S;
-        let command = Command::new(torque(at_s, seed as f64), 0.0);
-        t_s.push(at_s);
-        position.push(sampler.measure(plant.state().position));
-        commands.push(command);
-        plant.advance(&Command { external_torque: noise.draw(), ..command }, at_s + PERIOD_S).unwrap();
-    }
-    Recorded {
-        name: format!("{seed}"),
-        skipped: vec![false; rows],
-        after_gap: vec![false; rows],
-        t_s,
-        position,
-        commands,
-    }
 }
 
 fn machine() -> Model {
@@ -58,7 +33,8 @@ fn problem(nominal: Model, actual: &Model, noise_nm: f64) -> Problem {
 }
 
 fn seen_by(step_rad: f64, nominal: Model, actual: &Model, noise_nm: f64) -> Problem {
-    let recordings = (1..=3).map(|seed| recording(actual, seed, noise_nm, step_rad)).collect();
+    let making = Making { torque, seconds: SECONDS, noise_nm, step_rad };
+    let recordings = (1..=3).map(|seed| recording(actual, making, seed)).collect();
     Problem::new(Physics::new(nominal), recordings, 2, step_rad, false)
 }
 
@@ -113,5 +89,34 @@ fn a_machine_that_is_wrong_is_less_likely() {
     let right = evaluate(&problem, &Physics::new(machine()), &noise, 2).unwrap().fitted(&problem);
     for wrong in [Model { coulomb: 0.55, ..machine() }, Model { inertia: 0.052, ..machine() }] {
         assert!(evaluate(&problem, &Physics::new(wrong), &noise, 2).unwrap().fitted(&problem) < right - 10.0);
+    }
+}
+
+/// A value is named only where its interval leaves out what it is without the effect.
+#[test]
+fn an_interval_that_holds_the_nominal_value_is_not_away_from_it() {
+    for (viscous, away) in [(0.0, false), (0.03, true)] {
+        let problem = problem(machine(), &Model { viscous, ..machine() }, 0.02);
+        let start = Hypothesis::default().with(find("viscous_friction").unwrap(), vec![0.01]);
+        let fitted = refit(&problem, &start, &first_noise(&problem), 10).unwrap().over_all(&problem).unwrap();
+        let assessed = assess(&problem, fitted).unwrap();
+        assert_eq!(assessed.away_from_neutral(&problem, 0), away, "{viscous}: {:?}", assessed.refitted.hypothesis);
+    }
+}
+
+/// A column of torques that are all zero: what is left has no torque to be told by, and no figure of it may be no number.
+#[test]
+fn without_a_torque_every_figure_of_the_answer_is_a_number() {
+    let pushed = Model { torque_offset: 0.8, ..machine() };
+    let mut problem = problem(machine(), &pushed, 0.02);
+    let recordings = problem.recordings.drain(..).map(|mut recorded| {
+        recorded.commands.iter_mut().for_each(|command| command.torque = 0.0);
+        recorded
+    });
+    let problem = Problem::new(Physics::new(machine()), recordings.collect(), 2, STEP_RAD, false);
+    let found = diagnose(&problem, &VOCABULARY).unwrap();
+    if let Some(left) = &found.remainder {
+        assert!(left.torque_rms.is_finite());
+        assert!(left.predictors.iter().all(|one| one.torque_rms.is_finite()), "{:?}", left.predictors);
     }
 }

@@ -1,18 +1,17 @@
 //! Friction over the load, warming and a drive's ripple: left out of the model, each is named first with its value.
 #![allow(clippy::unwrap_used)]
 
+mod common;
+
+use common::{Making, STEP_RAD, recording};
 use diagnosis::effects::VOCABULARY;
 use diagnosis::physics::Physics;
 use diagnosis::pipeline::{Named, diagnose};
 use diagnosis::problem::Problem;
-use diagnosis::recorded::Recorded;
+use plant::Model;
 use plant::effects::{Harmonic, Warming};
-use plant::sensor::{Sampler, SamplerConfig, TorqueNoise};
-use plant::{Command, Model, Plant, State};
 
-const PERIOD_S: f64 = 1e-3;
-/// Sensor step of the servo's resolver, rad, and torque noise, N m.
-const STEP_RAD: f64 = 1.28e-5;
+/// Torque noise, N m.
 const NOISE_NM: f64 = 0.02;
 
 /// Torques of every size that move either way, rest and reverse.
@@ -22,38 +21,14 @@ fn torque(t_s: f64, phase: f64) -> f64 {
         + if (t_s * 1.3) % 1.0 < 0.2 { 0.0 } else { 0.4 }
 }
 
-fn recording(model: &Model, seed: u64, seconds: f64) -> Recorded {
-    let mut plant = Plant::new(model, State::default(), 0.0).unwrap();
-    let sampler = SamplerConfig { resolution: STEP_RAD, noise_sd: 0.3 * STEP_RAD, ..SamplerConfig::default() };
-    let mut sampler = Sampler::new(sampler, seed).unwrap();
-    let mut noise = TorqueNoise::new(NOISE_NM, seed).unwrap();
-    let rows = (seconds / PERIOD_S) as usize;
-    let (mut t_s, mut position, mut commands) = (Vec::new(), Vec::new(), Vec::new());
-    for row in 0..rows {
-        let at_s = row as f64 * PERIOD_S;
-        let command = Command::new(torque(at_s, seed as f64), 0.0);
-        t_s.push(at_s);
-        position.push(sampler.measure(plant.state().position));
-        commands.push(command);
-        plant.advance(&Command { external_torque: noise.draw(), ..command }, at_s + PERIOD_S).unwrap();
-    }
-    Recorded {
-        name: format!("{seed}"),
-        skipped: vec![false; rows],
-        after_gap: vec![false; rows],
-        t_s,
-        position,
-        commands,
-    }
-}
-
 fn machine() -> Model {
     Model { coulomb: 0.5, viscous: 0.1, torque_delay_s: 0.002, ..Model::new(0.05) }
 }
 
 /// What the diagnosis names first, two recordings fitted and one held out.
 fn first(actual: &Model, seconds: f64) -> Named {
-    let recordings = (1..=3).map(|seed| recording(actual, seed, seconds)).collect();
+    let making = Making { torque, seconds, noise_nm: NOISE_NM, step_rad: STEP_RAD };
+    let recordings = (1..=3).map(|seed| recording(actual, making, seed)).collect();
     let problem = Problem::new(Physics::new(machine()), recordings, 2, STEP_RAD, false);
     let found = diagnose(&problem, &VOCABULARY).unwrap();
     for named in &found.effects {

@@ -179,3 +179,59 @@ fn numbers_of_threads_that_no_machine_has_are_refused() {
     let output = lab(folder.path(), &["prove", "--case", "0", "--workers", "100000"]);
     assert_eq!(output.status.code(), Some(2));
 }
+
+/// Rows up to 50 ms apart are diagnosed, and `doctor` says so; a little more is refused by both.
+#[test]
+#[cfg_attr(debug_assertions, ignore = "a minute without optimisation; the tests in release run it")]
+fn doctor_and_diagnose_agree_on_how_slow_a_log_may_be() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    fs::write(at("m.toml"), MACHINE).unwrap();
+    let steps = ["simulate", "steps", "--machine", "m.toml", "--duration-s", "6", "--torque-noise-nm", "0.02"];
+    done(folder.path(), &[&steps[..], &["-o", "run.csv"]].concat());
+    let text = fs::read_to_string(at("run.csv")).unwrap();
+    let (header, rows) = text.split_once('\n').unwrap();
+    for (every, reads) in [(32, true), (60, true), (100, true), (120, false)] {
+        let kept: Vec<&str> = rows.lines().step_by(every).collect();
+        fs::write(at("slow.csv"), format!("{header}\n{}\n", kept.join("\n"))).unwrap();
+        let looked = done(folder.path(), &["doctor", "--machine", "m.toml", "slow.csv"]);
+        let diagnose = ["diagnose", "--machine", "m.toml", "--only", "viscous_friction", "slow.csv"];
+        let period_ms = 0.5 * every as f64;
+        if reads {
+            assert!(looked.contains("ok    rate"), "{period_ms} ms: {looked}");
+            done(folder.path(), &diagnose);
+        } else {
+            assert!(looked.contains("BAD   rate") && looked.contains("log at 20 Hz or more"), "{looked}");
+            refused(folder.path(), &diagnose, "s apart, at most 0.05 s can be worked on");
+        }
+    }
+}
+
+/// A key or a column that is not known: the nearest of the whole schema, in the unit that is expected, and all at once.
+#[test]
+fn keys_and_columns_that_are_not_known_are_named_with_what_is_expected() {
+    let (folder, text) = folder();
+    let at = |name: &str| folder.path().join(name);
+    let machine = |from: &str, to: &str| fs::write(at("other.toml"), MACHINE.replacen(from, to, 1)).unwrap();
+    let compare = ["compare", "--machine", "other.toml", "run.csv"];
+    for (from, to, message) in [
+        ("name =", "inertia = 1\nname =", "other.toml:2: inertia: unknown key; the nearest key is `plant.inertia`"),
+        ("kind =", "type = \"rotary\"\nkind =", "axis.type: unknown key; the nearest key is `kind`"),
+        ("torque_delay_s = 0.005", "torque_delay_ms = 5", "`torque_delay_s`, in s: multiply the value by 0.001"),
+        ("[axis]", "[machine]\n[axis]", "machine: unknown key; known here are `schema`, `name`, `axis`, `plant`"),
+    ] {
+        machine(from, to);
+        refused(folder.path(), &compare, message);
+    }
+    machine("none", "none");
+    for (from, to, message) in [
+        ("t_s,", "t_ms,", "`t_ms` is in ms: multiply its values by 0.001 and call it `t_s`, in s"),
+        ("position_rad", "position_deg", "`position_deg` is in deg: multiply its values by 0.017453"),
+        ("torque_cmd_nm", "torque_cmd_mnm", "torque_cmd_nm: required column is missing; "),
+    ] {
+        fs::write(at("run.csv"), text.replacen(from, to, 1)).unwrap();
+        refused(folder.path(), &compare, message);
+    }
+    fs::write(at("run.csv"), text.replacen("t_s,", "a,", 1).replacen("position_rad", "b", 1)).unwrap();
+    refused(folder.path(), &compare, "t_s, position_rad: required columns are missing");
+}

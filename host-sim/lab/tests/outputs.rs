@@ -298,8 +298,10 @@ fn a_verdict_that_is_asked_about_ends_with_1_and_the_page_tells_what_made_it() {
     let json: serde_json::Value =
         serde_json::from_str(&fs::read_to_string(folder.path().join("a.json")).unwrap()).unwrap();
     let verdict = json["verdict"].as_str().unwrap();
-    let others: Vec<&str> =
-        ["none", "named", "ambiguous", "unknown"].into_iter().filter(|other| *other != verdict).collect();
+    let others: Vec<&str> = ["none", "named", "partial", "ambiguous", "unknown", "controller"]
+        .into_iter()
+        .filter(|other| *other != verdict)
+        .collect();
     assert_eq!(lab(folder.path(), &format!("{line} --fail-on {verdict}")).status.code(), Some(1));
     assert_eq!(lab(folder.path(), &format!("{line} --fail-on {}", others.join(","))).status.code(), Some(0));
     let page = fs::read_to_string(folder.path().join("a.html")).unwrap();
@@ -307,4 +309,24 @@ fn a_verdict_that_is_asked_about_ends_with_1_and_the_page_tells_what_made_it() {
     assert!(page.contains("What made this page") && page.contains(sha256));
     assert!(fs::read_to_string(folder.path().join("b.toml")).unwrap().starts_with("# Written by servo-lab"));
     assert_eq!((json["schema"].as_u64(), json["provenance"]["seed"].as_u64()), (Some(2), Some(1)));
+}
+
+/// The same command twice, and with another number of threads: one answer, to the byte.
+#[test]
+#[cfg_attr(debug_assertions, ignore = "minutes without optimisation; the tests in release run it")]
+fn a_diagnosis_is_the_same_twice_whatever_the_threads() {
+    let folder = folder();
+    done(folder.path(), "simulate steps --duration-s 2 --machine m.toml --torque-noise-nm 0.02 --out steps.csv");
+    let written = |jobs: usize| {
+        let only = "--only viscous_friction,coulomb_friction";
+        let line =
+            format!("diagnose --machine m.toml steps.csv {only} --jobs {jobs} --json a.json --html a.html --force");
+        done(folder.path(), &line);
+        ["a.json", "a.html"].map(|name| fs::read_to_string(folder.path().join(name)).unwrap())
+    };
+    let one = written(1);
+    assert_eq!(one, written(1));
+    // What is asked for is told, and is all that differs.
+    let two = written(2).map(|text| text.replace("--jobs 2", "--jobs 1"));
+    assert!(one == two, "another number of threads is another answer");
 }

@@ -152,6 +152,10 @@ fn each_fault_of_a_recording_is_named() {
         "run.csv: position_rad: the axis never moves (0.0e0 rad from end to end)",
     );
     said(&|r| r.effort_cmd.fill(0.0), Severity::Warning, "torque_cmd_nm: the torque is 0 N m in every row");
+    said(&|r| r.position[7] = -1e300, Severity::Error, "position_rad: -1.0e300 is a value of no machine");
+    said(&|r| r.effort_cmd[7] = 1e200, Severity::Error, "torque_cmd_nm: 1.0e200 is a value of no machine");
+    said(&|r| r.field_cmd_kv_mm.as_mut().unwrap()[7] = 1e200, Severity::Error, "field_cmd_kv_mm: 1.0e200 is a value");
+    said(&|r| r.effort_cmd.fill(1.5), Severity::Warning, "torque_cmd_nm: the torque is 1.5 N m in every row");
     said(
         &|r| r.effort_cmd.iter_mut().for_each(|u| *u = -*u),
         Severity::Error,
@@ -206,6 +210,53 @@ fn a_position_in_degrees_and_a_model_far_off_are_named() {
     let mut fine = machine.clone();
     fine.axis.resolution *= 20.0;
     assert!(matches!(finding(&fine, |_| ()).problem, Problem::OtherStep { .. }));
+}
+
+/// A carriage of 2 kg under a force, 5 s at 1 kHz, with an encoder of 50 um.
+fn carriage() -> (Machine, Recording) {
+    let machine = "schema = 1\nname = \"m\"\n[axis]\nkind = \"linear\"\nsample_period_s = 1e-3\nresolution = 5e-5\n\
+                   [plant]\ninertia = 2.0\n";
+    let machine = Machine::from_bytes(Path::new("m.toml"), machine.as_bytes()).unwrap();
+    let t_s: Vec<f64> = (0..5000).map(|row| f64::from(row) * 1e-3).collect();
+    // Two tones: of one, the acceleration is that of a spring.
+    let tones = [(0.1, 6.0), (0.02, 17.0_f64)];
+    let sum = |of: &dyn Fn(f64, f64) -> f64| tones.iter().map(|&(size, rate)| of(size, rate)).sum::<f64>();
+    let position = t_s.iter().map(|t| (sum(&|size, rate| size * (rate * t).sin()) / 5e-5).round() * 5e-5).collect();
+    let effort_cmd = t_s.iter().map(|t| -2.0 * sum(&|size, rate| size * rate * rate * (rate * t).sin())).collect();
+    let recording =
+        Recording { name: "run.csv".to_owned(), t_s, position, effort_cmd, ..Recording::empty(machine.axis.kind) };
+    (machine, recording)
+}
+
+/// All that is said after a change of the carriage's recording.
+fn said_of_carriage(change: impl Fn(&mut Recording)) -> Vec<String> {
+    let (machine, mut recording) = carriage();
+    change(&mut recording);
+    of(&machine, &recording).iter().map(ToString::to_string).collect()
+}
+
+#[test]
+fn units_of_a_linear_axis_that_are_wrong_by_a_thousand_are_named() {
+    assert_eq!(said_of_carriage(|_| ()), Vec::<String>::new());
+    let scaled = |factor: f64| said_of_carriage(move |r| r.position.iter_mut().for_each(|x| *x *= factor));
+    let millimetres = scaled(1e3);
+    for part in [
+        "position_m: speeds of ",
+        "those of no such machine (at most 5e1); is the position in mm?",
+        "steps of 5.000e-2 m, and `resolution` of the machine file is 5.000e-5",
+        "ask for an inertia of ",
+        "that of the machine file is 2; is the position in mm?",
+    ] {
+        assert!(millimetres.iter().any(|text| text.contains(part)), "{part}: {millimetres:?}");
+    }
+    let fast = scaled(1e4);
+    assert!(fast.iter().any(|text| text.contains("position_m: accelerations of")), "{fast:?}");
+    let (mut machine, recording) = carriage();
+    machine.axis.sample_period_s = 1e-6;
+    let other_clock: Vec<String> = of(&machine, &recording).iter().map(ToString::to_string).collect();
+    let period =
+        "t_s: rows are 1.000e-3 s apart, and `sample_period_s` of the machine file is 0.000001; is the time in ms?";
+    assert!(other_clock.iter().any(|text| text.contains(period)), "{other_clock:?}");
 }
 
 #[test]

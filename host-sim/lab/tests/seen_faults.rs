@@ -1,28 +1,16 @@
 //! Logs on which the tool once panicked, hung or refused without a reason.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+mod common;
+
 use std::fs;
-use std::path::{Path, PathBuf};
-use std::time::Duration;
+use std::path::Path;
 
-use assert_cmd::Command;
+use common::shared;
 
-/// The folder of real recordings; none, with the reason printed, where it is not there. In CI it must be.
-fn shared() -> Option<PathBuf> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    let found =
-        ["../shared/data", "../../shared/data"].map(|folder| root.join(folder)).into_iter().find(|f| f.is_dir());
-    assert!(found.is_some() || std::env::var_os("CI").is_none(), "../shared/data must be there in CI");
-    if found.is_none() {
-        println!("skipped: the folder of real recordings, ../shared/data, is not there");
-    }
-    found
-}
-
-/// Exit code, standard output and standard error of a command; none for the code where it did not end within a minute.
+/// Exit code, standard output and standard error of a command; none for the code where it took more than a minute of processor.
 fn run(folder: &Path, arguments: &[&str]) -> (Option<i32>, String, String) {
-    let mut command = Command::cargo_bin("servo-lab").unwrap();
-    let output = command.current_dir(folder).args(arguments).timeout(Duration::from_secs(60)).output().unwrap();
+    let output = common::run(folder, arguments).output;
     let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
     (output.status.code(), text(&output.stdout), text(&output.stderr))
 }
@@ -98,24 +86,80 @@ fn an_axis_that_never_moved_is_no_panic() {
     assert!(matches!(code, Some(0 | 2)), "{code:?}: {errors}");
 }
 
-/// Drag that stops the axis within a nanosecond, on 3 s at 5 ms: 1e12 steps, as long as a step had to be shorter than that.
+/// A machine with a fluid, for what only a rotary axis has.
+const ER: &str = "[plant.er]\na = 0.0704\nb = 0.470\ndead_time_s = 0.002\nlag_s = 0.003\n";
+
+/// Drag that stops the axis within a nanosecond, a bristle, a shaft and a gap that bend for as long: 1e12 steps and more, as long
+/// as a step had to be shorter than that. (A shaft and a gap at 1 kHz; at 10 kHz the gap takes more than the minute.) A minute of processor is the limit of any command.
 #[test]
-fn drag_that_is_stiff_against_the_inertia_costs_no_more_than_any_other() {
+fn a_machine_however_stiff_costs_no_more_than_any_other() {
     let folder = tempfile::tempdir().unwrap();
-    let rows: Vec<String> = (0..600)
-        .map(|row| {
+    let rows = |amplitude: f64| -> String {
+        let row = |row| {
             let t_s = f64::from(row) * 0.005;
-            format!("{t_s},{},{}", 0.1 * (3.0 * t_s).sin(), 520.0 * (3.0 * t_s).cos())
-        })
-        .collect();
-    fs::write(folder.path().join("run.csv"), format!("t_s,position_m,force_cmd_n\n{}\n", rows.join("\n"))).unwrap();
-    let lag = "[[effects]]\nid = \"torque_lag\"\nlag_s = 0.002\n";
-    let drag = "[[effects]]\nid = \"quadratic_drag\"\ncoefficient_n_s2_m2 = 1.0\n";
-    for effect in ["", lag, drag] {
-        let machine = SERVO.replace("rotary", "linear").replace("0.075", "1e-6").replace("0.763", "0.1");
-        let machine = machine.replace("torque_limit = 30.0", "viscous = 1724.0");
-        fs::write(folder.path().join("m.toml"), format!("{machine}{effect}")).unwrap();
-        let (code, _, errors) = run(folder.path(), &["compare", "--machine", "m.toml", "run.csv"]);
-        assert_eq!(code, Some(0), "{effect}: {errors}");
+            format!("{t_s},{},{}\n", 0.1 * (3.0 * t_s).sin(), amplitude * (3.0 * t_s).cos())
+        };
+        (0..3000).map(row).collect()
+    };
+    fs::write(folder.path().join("linear.csv"), format!("t_s,position_m,force_cmd_n\n{}", rows(520.0))).unwrap();
+    fs::write(folder.path().join("rotary.csv"), format!("t_s,position_rad,torque_cmd_nm\n{}", rows(2.6))).unwrap();
+    let drag = SERVO.replace("rotary", "linear").replace("0.075", "1e-6").replace("0.763", "0.1");
+    let drag = drag.replace("torque_limit = 30.0", "viscous = 1724.0");
+    let (stiff, servo) = (|effect: &str| format!("{drag}{effect}"), |effect: &str| format!("{SERVO}{ER}{effect}"));
+    let shaft = |id: &str, gap: &str| {
+        servo(&format!(
+            "[[effects]]\nid = \"{id}\"\nresonance_hz = 1e3\ndamping_ratio = 0.03\ninertia_ratio = 0.5\n{gap}"
+        ))
+    };
+    let machines = [
+        ("linear", "drag", stiff("")),
+        ("linear", "drag behind a lag", stiff("[[effects]]\nid = \"torque_lag\"\nlag_s = 0.002\n")),
+        ("linear", "drag", stiff("[[effects]]\nid = \"quadratic_drag\"\ncoefficient_n_s2_m2 = 1.0\n")),
+        ("rotary", "bristle", servo("[[effects]]\nid = \"presliding\"\nstiffness_nm_rad = 1e9\n")),
+        ("rotary", "fluid", servo("[[effects]]\nid = \"er_preyield\"\nstiffness_nm_rad = 1e9\n")),
+        ("rotary", "shaft", shaft("compliance", "")),
+        ("rotary", "gap", shaft("backlash", "gap_rad = 1e-9\n")),
+        ("rotary", "gap", shaft("backlash", "gap_rad = 1e-4\n")),
+    ];
+    for (axis, name, machine) in machines {
+        fs::write(folder.path().join("m.toml"), machine).unwrap();
+        let ended = common::run(folder.path(), &["compare", "--machine", "m.toml", &format!("{axis}.csv")]);
+        println!("{name}: {:.2} s, {:.2} s of processor", ended.wall_s, ended.cpu_s);
+        assert_eq!(ended.fault(), None, "{name}");
+        assert!(ended.output.status.success(), "{name}: {}", String::from_utf8_lossy(&ended.output.stderr));
     }
+}
+
+/// A cogging of a billion times the drive's torque: an answer, or what to look at, within the minute.
+#[test]
+fn a_model_that_is_too_stiff_to_follow_is_refused_with_what_to_check() {
+    let folder = tempfile::tempdir().unwrap();
+    let cogging = "[[effects]]\nid = \"cogging\"\namplitude_nm = 1e12\norder_per_rev = 7.0\nphase_rad = 0.0\n";
+    fs::write(folder.path().join("m.toml"), format!("{SERVO}{cogging}")).unwrap();
+    let row = |row| {
+        let t_s = f64::from(row) * 0.02;
+        format!("{t_s},{},{}\n", 0.1 * (3.0 * t_s).sin(), 2.6 * (3.0 * t_s).cos())
+    };
+    let rows: String = (0..60).map(row).collect();
+    fs::write(folder.path().join("run.csv"), format!("t_s,position_rad,torque_cmd_nm\n{rows}")).unwrap();
+    let ended = common::run(folder.path(), &["compare", "--machine", "m.toml", "run.csv"]);
+    println!("{:.2} s of processor: {}", ended.cpu_s, String::from_utf8_lossy(&ended.output.stderr));
+    assert_eq!(ended.fault(), None);
+}
+
+/// Numbers that no machine has, on which plant and search once panicked or ran for ever.
+#[test]
+fn numbers_that_no_machine_has_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    for (from, to) in [("0.075", "5e-324"), ("0.075", "1e-300"), ("0.075", "1e300"), ("0.763", "1.7e308")] {
+        fs::write(folder.path().join("m.toml"), SERVO.replace(from, to)).unwrap();
+        for command in ["simulate", "tune", "stability"] {
+            let (code, _, errors) = run(folder.path(), &[command, "--machine", "m.toml"]);
+            assert!(code == Some(2) && errors.contains("of a size from 1e-15 to 1e15"), "{command} {to}: {errors}");
+        }
+    }
+    // Within the range and far too stiff.
+    fs::write(folder.path().join("m.toml"), SERVO.replace("coulomb = 0.763", "viscous = 1e12")).unwrap();
+    let (code, _, errors) = run(folder.path(), &["tune", "--machine", "m.toml"]);
+    assert!(code == Some(2) && errors.contains("the loop is too stiff to tune"), "{code:?}: {errors}");
 }

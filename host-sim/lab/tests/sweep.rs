@@ -6,12 +6,16 @@
 //! with the tests, the long one with `cargo xtask fuzz`.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use std::fs;
-use std::path::{Path, PathBuf};
-use std::process::Output;
-use std::time::Duration;
+mod common;
 
-use assert_cmd::Command;
+use std::fs;
+use std::path::Path;
+
+use common::{Ended, run, shared};
+use diagnosis::effects::find;
+use diagnosis::physics::Physics;
+use lab::read::Machine;
+use lab::report::{Answer, EffectAnswer, Verdict};
 use rand::rngs::StdRng;
 use rand::seq::IndexedRandom;
 use rand::{Rng, SeedableRng};
@@ -23,10 +27,6 @@ const SEED_VARIABLE: &str = "SWEEP_SEED";
 const SHORT: u32 = 60;
 /// Cases of the long form.
 const LONG: u32 = 2000;
-/// No command may take longer on one core, s.
-const LIMIT_S: u64 = 60;
-/// What it may wait beside that on a computer with other work, s.
-const WAIT_S: u64 = 540;
 
 /// Numbers at the ends of what a key may hold, and beyond.
 const EXTREMES: [&str; 12] =
@@ -47,22 +47,21 @@ const EFFECTS: [&str; 8] = [
     "id = \"torque_lag\"\nlag_s = 1e-3\n",
 ];
 
+/// Folders of the real recordings with machine files and recordings of each, which go with each other.
+type Set = (&'static str, &'static [&'static str], &'static [&'static str]);
+const SETS: [Set; 5] = [
+    ("emps", &["machine"], &["train", "pulses"]),
+    ("odrive_cogging", &["machine"], &["slow2_comp_0", "slow2_nocomp_0", "slow2_nocomp_1", "slow2_slower_nocomp_0"]),
+    ("dfki", &["heavy_full", "heavy_no_gravity", "heavy_none"], &["ddp", "dircol", "energy", "ilqr"]),
+    ("weigand", &["j1_full", "j1_no_friction"], &["j1_A", "j1_B", "j1_C"]),
+    ("weigand", &["j6_full", "j6_no_friction"], &["j6_A", "j6_B", "j6_C"]),
+];
+
 /// A recording with the machine file that belongs to it.
 struct Base {
+    name: String,
     machine: String,
     recording: Vec<String>,
-}
-
-/// The folder of real recordings; none, with the reason printed, where it is not there. In CI it must be.
-fn shared() -> Option<PathBuf> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    let found =
-        ["../shared/data", "../../shared/data"].map(|folder| root.join(folder)).into_iter().find(|f| f.is_dir());
-    assert!(found.is_some() || std::env::var_os("CI").is_none(), "../shared/data must be there in CI");
-    if found.is_none() {
-        println!("without the real recordings: ../shared/data is not there");
-    }
-    found
 }
 
 fn bases(folder: &Path) -> Vec<Base> {
@@ -71,25 +70,22 @@ fn bases(folder: &Path) -> Vec<Base> {
     let mut all = Vec::new();
     for scenario in ["steps", "multisine"] {
         let status =
-            run(folder, &["simulate", scenario, "--duration-s", "3", "--torque-noise-nm", "0.05", "-o", "made.csv"]);
+            run(folder, &["simulate", scenario, "--duration-s", "3", "--torque-noise-nm", "0.05", "-o", "made.csv"])
+                .output;
         assert!(status.status.success(), "{status:?}");
-        all.push(Base { machine: MACHINE.to_owned(), recording: lines(&made) });
+        all.push(Base { name: scenario.to_owned(), machine: MACHINE.to_owned(), recording: lines(&made) });
         fs::remove_file(&made).unwrap();
     }
     let Some(data) = shared() else { return all };
-    let pairs = [
-        ("emps/machine.toml", "emps/train.csv"),
-        ("emps/machine.toml", "emps/pulses.csv"),
-        ("odrive_cogging/machine.toml", "odrive_cogging/slow2_nocomp_0.csv"),
-        ("dfki/heavy_full.toml", "dfki/ilqr.csv"),
-        ("dfki/heavy_no_gravity.toml", "dfki/ddp.csv"),
-        ("weigand/j1_no_friction.toml", "weigand/j1_A.csv"),
-        ("weigand/j6_full.toml", "weigand/j6_B.csv"),
-    ];
-    all.extend(pairs.map(|(machine, recording)| Base {
-        machine: fs::read_to_string(data.join(machine)).unwrap(),
-        recording: lines(&data.join(recording)),
-    }));
+    for (set, machines, recordings) in SETS {
+        for (machine, recording) in machines.iter().flat_map(|one| recordings.iter().map(move |other| (one, other))) {
+            all.push(Base {
+                name: format!("{set} {machine} {recording}"),
+                machine: fs::read_to_string(data.join(set).join(format!("{machine}.toml"))).unwrap(),
+                recording: lines(&data.join(set).join(format!("{recording}.csv"))),
+            });
+        }
+    }
     all
 }
 
@@ -153,56 +149,74 @@ fn extreme(random: &mut StdRng, machine: &str, said: &mut String) -> String {
     lines.join("\n") + "\n"
 }
 
-fn run(folder: &Path, arguments: &[&str]) -> Output {
-    let program = assert_cmd::cargo::cargo_bin("servo-lab");
-    let mut command = if cfg!(unix) {
-        // The shell's limit is of the processor's time, which other work does not lengthen.
-        let mut shell = Command::new("sh");
-        shell.args(["-c", &format!("ulimit -t {LIMIT_S}; exec \"$@\""), "sh"]).arg(program);
-        shell
-    } else {
-        Command::new(program)
-    };
-    let limit = Duration::from_secs(LIMIT_S + WAIT_S);
-    command.current_dir(folder).args(arguments).timeout(limit).output().unwrap()
-}
-
-/// What is wrong with how a command ended; none where all is well.
-fn fault(output: &Output) -> Option<String> {
-    let errors = String::from_utf8_lossy(&output.stderr);
-    match output.status.code() {
-        Some(0) => None,
-        Some(2) if errors.lines().filter(|line| !line.trim().is_empty()).count() == 1 => None,
-        None => Some(format!("no answer within {LIMIT_S} s")),
-        Some(code) => Some(format!("exit code {code}: {errors}")),
+/// What is wrong with how a command ended, or with what it says.
+fn fault(ended: &Ended, machine: &Path) -> Option<String> {
+    if ended.fault().is_some() || !ended.output.status.success() {
+        return ended.fault();
+    }
+    let text = String::from_utf8_lossy(&ended.output.stdout);
+    let mut words = text.split(|letter: char| !letter.is_alphanumeric());
+    if let Some(word) = words.find(|word| ["NaN", "inf"].contains(word)) {
+        return Some(format!("{word} in the answer: {text}"));
+    }
+    // Only a diagnosis prints JSON here; a number that is none is null in it, which no answer may have.
+    if !text.starts_with('{') {
+        return None;
+    }
+    match serde_json::from_str(&text) {
+        Ok(answer) => misled(&answer, &Machine::read(machine).unwrap()),
+        Err(error) => Some(format!("{error}: {text}")),
     }
 }
 
-/// One case after the other; each fault in a line.
+/// An effect that is named though the interval of its leading value holds what it is without the effect.
+fn misled(answer: &Answer, machine: &Machine) -> Option<String> {
+    if !matches!(answer.verdict, Verdict::Named | Verdict::Partial) {
+        return None;
+    }
+    let nominal = Physics::nominal(machine, &[]);
+    let holds = |effect: &&EffectAnswer| {
+        let Some(kind) = find(&effect.id) else { return false };
+        let neutral = (kind.neutral)(&nominal);
+        effect.parameters.get(kind.leading).is_some_and(|value| value.low <= neutral && neutral <= value.high)
+    };
+    answer.effects.iter().find(holds).map(|effect| format!("named with an interval that holds the nominal: {effect:?}"))
+}
+
+/// One case after the other, each in a line with what it took; the faults are returned.
 fn swept(cases: u32, most_rows: usize, commands: &[&[&str]]) -> Vec<String> {
     let folder = tempfile::tempdir().unwrap();
     let bases = bases(folder.path());
-    let mut faults = Vec::new();
+    let (mut faults, mut slowest) = (Vec::new(), (0.0, String::new()));
     let seed = std::env::var(SEED_VARIABLE).map_or(SEED, |seed| seed.parse().unwrap());
     for case in 0..cases {
         let mut random = StdRng::seed_from_u64(seed + u64::from(case));
         let base = bases.choose(&mut random).unwrap();
         let arguments = *commands.choose(&mut random).unwrap();
-        let mut said = format!("case {case}, {}: ", arguments[0]);
+        let mut said = format!("seed {}, {}: {}, ", seed + u64::from(case), arguments[0], base.name);
         let recording = bent(&mut random, &base.recording, most_rows, &mut said);
         let machine = extreme(&mut random, &base.machine, &mut said);
         fs::write(folder.path().join("case.csv"), recording).unwrap();
         fs::write(folder.path().join("case.toml"), machine).unwrap();
-        if let Some(fault) = fault(&run(folder.path(), arguments)) {
-            println!("{said}: {fault}");
-            faults.push(format!("{said}: {fault}"));
+        let ended = run(folder.path(), arguments);
+        let fault = fault(&ended, &folder.path().join("case.toml"));
+        let code = ended.output.status.code();
+        println!("{:.2} s, {:.2} s of processor, {code:?}, {said}{}", ended.wall_s, ended.cpu_s, marked(&fault));
+        if ended.cpu_s > slowest.0 {
+            slowest = (ended.cpu_s, said.clone());
         }
+        faults.extend(fault.map(|fault| format!("{said}: {fault}")));
     }
+    println!("{cases} cases from seed {seed}, {} faults; the slowest {:.1} s: {}", faults.len(), slowest.0, slowest.1);
     faults
 }
 
+fn marked(fault: &Option<String>) -> String {
+    fault.as_ref().map_or_else(String::new, |fault| format!("\nFAULT {fault}"))
+}
+
 const COMPARE: &[&str] = &["compare", "--machine", "case.toml", "case.csv"];
-const DIAGNOSE: &[&str] = &["diagnose", "--jobs", "1", "--machine", "case.toml", "case.csv"];
+const DIAGNOSE: &[&str] = &["diagnose", "--jobs", "1", "--machine", "case.toml", "case.csv", "--json", "-"];
 const SIMULATE: &[&str] = &["simulate", "steps", "--machine", "case.toml", "--duration-s", "0.5"];
 const STABILITY: &[&str] = &["stability", "--machine", "case.toml"];
 const TUNE: &[&str] = &["tune", "--machine", "case.toml", "--out", "tuned"];

@@ -32,6 +32,11 @@ pub enum Error {
         /// The offending time, s.
         t_s: f64,
     },
+    /// The model took more work than [`crate::Mechanics::at_most`] allows.
+    #[error(
+        "the model is too stiff to follow along so many rows; check its inertia, and stiffness and amplitudes of its effects"
+    )]
+    TooStiff,
     /// Slices that must match do not.
     #[error("{left} is {left_len} long and {right} is {right_len}")]
     Length {

@@ -8,7 +8,7 @@ use toml::de::{DeString, DeTable, DeValue};
 
 use super::nearest::quoted;
 use super::schema;
-use super::vocabulary::Allowed;
+use super::vocabulary::{Allowed, LARGEST, SMALLEST};
 use crate::Error;
 
 /// The text of a TOML file, for the line of a span.
@@ -157,6 +157,10 @@ impl<'a, 'i> Section<'a, 'i> {
     pub(crate) fn number(&self, key: &str, allowed: Allowed) -> Result<Option<f64>, Error> {
         let Some(value) = self.get(key) else { return Ok(None) };
         match number(value.get_ref()) {
+            Some(number) if allowed.holds(number) && allowed.is_wild(number) => {
+                let of_a_size = format!("{allowed}, of a size from {SMALLEST:e} to {LARGEST:e}");
+                Err(self.must_be(key, value, &of_a_size))
+            }
             Some(number) if allowed.holds(number) => Ok(Some(number)),
             _ => Err(self.must_be(key, value, &allowed.to_string())),
         }

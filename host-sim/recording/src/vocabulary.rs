@@ -42,6 +42,18 @@ impl Allowed {
     }
 }
 
+/// Largest size of a number of a machine file, in whatever unit it is: doubles hold whole numbers up to 9e15 ...
+pub const LARGEST: f64 = 1e15;
+/// ... and the smallest of one that must be above 0: an inertia, a gain, a stiffness.
+pub const SMALLEST: f64 = 1e-15;
+
+impl Allowed {
+    /// Whether `value` may stand but for its size, which no machine has: sums and quotients of such numbers are none.
+    pub fn is_wild(self, value: f64) -> bool {
+        value.abs() > LARGEST || (self == Self::AboveZero && value < SMALLEST)
+    }
+}
+
 impl fmt::Display for Allowed {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {

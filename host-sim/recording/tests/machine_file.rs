@@ -58,6 +58,16 @@ fn each_mistake_is_one_message_with_line_and_key() {
         ("lag_s = 0.003", "lag = 0.003", "m.toml:16: plant.er.lag: unknown key; the nearest key is `lag_s`"),
         ("[plant.er]", "[plant.re]", "m.toml:12: plant.re: unknown key; the nearest key is `er`"),
         ("0.075", "-0.075", "m.toml:8: plant.inertia: -0.075 is not allowed; must be a finite number above 0"),
+        (
+            "0.075",
+            "5e-324",
+            "m.toml:8: plant.inertia: 5e-324 is not allowed; must be a finite number above 0, of a size from 1e-15 to 1e15",
+        ),
+        (
+            "0.763",
+            "1.7e308",
+            "m.toml:9: plant.coulomb: 1.7e308 is not allowed; must be a finite number of 0 or more, of a size",
+        ),
         ("0.075", "nan", "m.toml:8: plant.inertia: nan is not allowed; must be a finite number above 0"),
         ("0.763", "+inf", "m.toml:9: plant.coulomb: +inf is not allowed; must be a finite number of 0 or more"),
         ("0.763", "\"0.763\"", "m.toml:9: plant.coulomb: `0.763` is not allowed; must be a finite number of 0 or more"),

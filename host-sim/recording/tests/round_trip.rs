@@ -8,7 +8,7 @@ use proptest::collection::vec;
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use recording::Error;
-use recording::vocabulary::{Allowed, EFFECTS, Occurs};
+use recording::vocabulary::{Allowed, EFFECTS, LARGEST, Occurs, SMALLEST};
 use recording::{Axis, AxisKind, EffectEntry, ErNominal, Machine, Mode, PlantNominal, Recording};
 
 fn finite() -> impl Strategy<Value = f64> {
@@ -84,11 +84,16 @@ proptest! {
     }
 }
 
+/// Any number that a machine file may hold.
+fn of_a_machine() -> impl Strategy<Value = f64> {
+    prop_oneof![-LARGEST..LARGEST, -10.0..10.0, Just(-0.0), Just(5e-324)]
+}
+
 fn allowed(allowed: Allowed) -> BoxedStrategy<f64> {
     match allowed {
-        Allowed::Finite => finite().boxed(),
-        Allowed::AtLeastZero => finite().prop_map(f64::abs).boxed(),
-        Allowed::AboveZero => (1e-300..1e300).boxed(),
+        Allowed::Finite => of_a_machine().boxed(),
+        Allowed::AtLeastZero => of_a_machine().prop_map(f64::abs).boxed(),
+        Allowed::AboveZero => (SMALLEST..LARGEST).boxed(),
         Allowed::Between(low, high) => (low..=high).boxed(),
         Allowed::AboveZeroUpTo(high) => (1e-9..=high).boxed(),
     }
@@ -113,7 +118,7 @@ fn effects(axis: AxisKind) -> impl Strategy<Value = Vec<EffectEntry>> {
 fn machine() -> impl Strategy<Value = Machine> {
     let plant = (
         (1e-9..1e9, allowed(Allowed::AtLeastZero), allowed(Allowed::AtLeastZero), 1e-3..1e3),
-        (finite(), proptest::option::of(1e-9..1e9), 0.0..=1.0),
+        (of_a_machine(), proptest::option::of(1e-9..1e9), 0.0..=1.0),
         proptest::option::of((0.0..9.0, 0.0..9.0, 0.0..=1.0, 0.0..=1.0)),
     );
     let plant = plant.prop_map(|((inertia, coulomb, viscous, gain), (offset, limit, delay), er)| PlantNominal {

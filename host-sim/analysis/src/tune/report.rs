@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use plant::{FluidResponse, Model};
 
 use super::search::{Candidate, SEED, Tuning};
+use super::series::LARGEST_GAIN;
 use super::trial::config_for;
 use super::{PEAK_NM_S_RAD, Task};
 use crate::plot::{Figure, Mark, Panel, Series};
@@ -86,12 +87,12 @@ fn candidate_lines(text: &mut String, name: &str, task: &Task, candidate: &Candi
     let _ = match &candidate.guarantee {
         Some(kept) => writeln!(
             text,
-            "  keeps {:.2} of the margins: phase {:.1} degrees, gain {:.2}, delay {:.2} ms; least at L {:.2}, dead time \
+            "  keeps {:.2} of the margins: phase {} degrees, gain {}, delay {} ms; least at L {:.2}, dead time \
              {:.2}, lag {:.2} ms, Q1 {:.1}",
             kept.level,
-            kept.phase_deg,
-            kept.gain,
-            1e3 * kept.delay_s,
+            margin(kept.phase_deg, 1, "any"),
+            margin(kept.gain, 2, &format!("over {LARGEST_GAIN}")),
+            margin(1e3 * kept.delay_s, 2, "any"),
             1e3 * kept.worst.torque_delay_s,
             1e3 * kept.worst.dead_time_s,
             1e3 * kept.worst.lag_s,
@@ -100,6 +101,11 @@ fn candidate_lines(text: &mut String, name: &str, task: &Task, candidate: &Candi
         None => writeln!(text, "  keeps nothing: unstable somewhere in the range"),
     };
     trial_line(text, task, candidate);
+}
+
+/// A margin with these decimals; in words where nothing of the kind loses the loop.
+fn margin(value: f64, decimals: usize, unbounded: &str) -> String {
+    if value.is_finite() { format!("{value:.decimals$}") } else { unbounded.to_owned() }
 }
 
 fn trial_line(text: &mut String, task: &Task, candidate: &Candidate) {
@@ -214,5 +220,16 @@ fn nominal(model: &Model) -> PlantNominal {
             };
             ErNominal { a: er.a, b: er.b, dead_time_s, lag_s }
         }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_margin_that_nothing_loses_is_said_in_words() {
+        assert_eq!(margin(1.234, 2, "any"), "1.23");
+        assert_eq!(margin(f64::INFINITY, 2, "over 10"), "over 10");
     }
 }

@@ -4,6 +4,7 @@ use rayon::prelude::*;
 
 use super::cycles::limit_cycles;
 use super::guarantee::Guarantee;
+use super::series::SeriesLoop;
 use super::trial::{Steps, Trial, config_for, trial};
 use super::{PEAK_NM_S_RAD, Range, Task};
 use crate::stability::{Gains, NormalisedGains};
@@ -124,6 +125,14 @@ pub fn tune(task: &Task) -> Result<Tuning, Error> {
     let mut nearest = None;
     for (rung, q1_nm_s_rad) in ladder.into_iter().enumerate() {
         let range = task.range(q1_nm_s_rad);
+        let most = NormalisedGains { kp: KP[1], kd: KD[1] }.physical(range.inertia_kg_m2, range.nominal_delay_s());
+        if let Some(phase_rad) = range.loops(most).iter().find_map(SeriesLoop::too_stiff_rad) {
+            nearest = Some(Error::Usage(format!(
+                "the loop is too stiff to tune (a phase of {phase_rad:.1e} rad over its band); check the units of the inertia, the \
+                 viscosity and the delays"
+            )));
+            continue;
+        }
         let grid = grid(task, &range)?;
         if best_of(&grid, 1.0).is_some() || task.q1_nm_s_rad.is_some() {
             return finish(task, range, rung > 0, grid);

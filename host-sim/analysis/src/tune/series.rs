@@ -47,7 +47,10 @@ const LOWEST_RAD_S: f64 = 0.02;
 const RATIO: f64 = 1.04;
 const PHASE_STEP_RAD: f64 = 0.08;
 /// Gain margins are looked for up to this factor; beyond it they count as infinite.
-const LARGEST_GAIN: f64 = 10.0;
+pub(super) const LARGEST_GAIN: f64 = 10.0;
+/// Largest phase that the delays may turn up to the highest frequency that is looked at, rad, which is what a pass costs: a servo
+/// is at sixty, and a hundred thousand passes at this take a minute.
+const LARGEST_PHASE_RAD: f64 = 2000.0;
 /// A larger turn between two points passes so near to zero that the loop counts as lost.
 const LARGEST_TURN_RAD: f64 = 1.5;
 
@@ -74,12 +77,23 @@ impl SeriesLoop {
         (viscosity + (viscosity * viscosity + 4.0 * inertia * stiffness).sqrt()) / (2.0 * inertia)
     }
 
-    /// Margins; none for an unstable loop, or one too near to the edge to tell.
+    /// Phase that the delays turn up to the highest frequency that is looked at, rad, where that is too much for a pass, or no
+    /// number.
+    #[must_use]
+    pub fn too_stiff_rad(&self) -> Option<f64> {
+        let phase_rad = self.bound_rad_s(LARGEST_GAIN) * (self.torque_delay_s + self.dead_time_s);
+        (phase_rad.is_nan() || phase_rad > LARGEST_PHASE_RAD).then_some(phase_rad)
+    }
+
+    /// Margins; none for an unstable loop, one too near to the edge to tell, or one that is too stiff.
     ///
     /// Stable is a characteristic function that turns by +180 degrees from w = 0 up (Mikhailov). The margins are where
     /// L(jw) crosses the unit circle and the negative real axis.
     #[must_use]
     pub fn margins(&self) -> Option<SeriesMargins> {
+        if self.too_stiff_rad().is_some() {
+            return None;
+        }
         let top = 1.1 * self.bound_rad_s(LARGEST_GAIN);
         let step = PHASE_STEP_RAD / (self.torque_delay_s + self.dead_time_s).max(1e-6);
         let mut found = SeriesMargins {
@@ -110,9 +124,12 @@ impl SeriesLoop {
     }
 
     /// Roots right of the imaginary axis by the argument principle, stepping down the axis so finely that none is passed
-    /// unseen; none with a root on the axis. See [`crate::stability::argument`], which this follows.
+    /// unseen; none with a root on the axis, or for a loop that is too stiff. See [`crate::stability::argument`], which this follows.
     #[must_use]
     pub fn unstable_roots(&self) -> Option<u32> {
+        if self.too_stiff_rad().is_some() {
+            return None;
+        }
         let radius = 1.1 * self.bound_rad_s(1.0);
         let at = |w: f64| self.without_control(w) + self.control(w);
         let mut here = at(radius);
@@ -180,6 +197,27 @@ mod tests {
         let SeriesLoop { inertia_kg_m2, torque_delay_s, q0_nm_s_rad, q1_nm_s_rad, .. } = *series;
         let plant = Plant { inertia_kg_m2, torque_delay_s, q0_nm_s_rad, q1_nm_s_rad, fluid };
         Loop::new(plant, series.gains).unwrap()
+    }
+
+    /// A rotor a billion times lighter than its drag asks for: the steps of a pass would be a ten-billionth of its way.
+    #[test]
+    fn a_loop_that_is_too_stiff_is_told_and_costs_nothing() {
+        let gains = NormalisedGains { kp: 0.1, kd: 0.5 }.physical(0.075, 0.005);
+        let servo = SeriesLoop {
+            inertia_kg_m2: 0.075,
+            torque_delay_s: 0.005,
+            q0_nm_s_rad: 0.01,
+            q1_nm_s_rad: 30.0,
+            dead_time_s: 0.002,
+            lag_s: 0.003,
+            gains,
+        };
+        assert_eq!(servo.too_stiff_rad(), None);
+        for inertia_kg_m2 in [1e-9, 1e-300, 5e-324] {
+            let light = SeriesLoop { inertia_kg_m2, ..servo };
+            assert!(light.too_stiff_rad().is_some());
+            assert_eq!((light.margins(), light.unstable_roots()), (None, None));
+        }
     }
 
     #[test]

@@ -30,14 +30,18 @@ pub fn predictors(problem: &Problem, refitted: &Refitted) -> Vec<Predictor> {
     let physics = refitted.hypothesis.physics(&problem.nominal);
     let Some(path) = kept(problem, &physics, &refitted.noise, problem.recordings.len()) else { return Vec::new() };
     let mut steady = physics.clone();
-    let unit = 0.01 * problem.excitation.torque_rms;
+    // Without any torque in the column a torque of one serves as well: the response is taken as linear.
+    let torque = problem.excitation.torque_rms;
+    let unit = if torque > 0.0 { 0.01 * torque } else { 1.0 };
     steady.model.torque_offset += unit;
     // Whitened residual that a constant torque of one leaves.
-    let response = path.response(problem, &steady).map_or(f64::INFINITY, |columns| {
+    let response = path.response(problem, &steady).map_or(0.0, |columns| {
         let all = columns.concat();
         let counted: Vec<f64> = all.into_iter().filter(|value| *value != 0.0).collect();
         (counted.iter().map(|value| value * value).sum::<f64>() / counted.len().max(1) as f64).sqrt() / unit
     });
+    // Where no torque shows in any sample, what is left is none of a torque.
+    let response = if response > 0.0 { response } else { f64::INFINITY };
     let mut all: Vec<Predictor> = channels(problem, &path)
         .into_iter()
         .filter_map(|(channel, values)| predictor(problem, &path, channel, &values, response))

@@ -235,7 +235,8 @@ impl Laws {
         }
         if let Some((stiffness, at)) = self.spring {
             let bent = x[at] + 0.5 * dt_s * stiffness * w;
-            elastic += bent.clamp(-fluid_level.abs(), fluid_level.abs());
+            // Not `clamp`, which panics where the level of a wild machine is no number.
+            elastic += bent.max(-fluid_level.abs()).min(fluid_level.abs());
             let inside = f64::from(bent.abs() < fluid_level);
             spring = (inside, inside * 0.5 * dt_s * stiffness);
         } else {
@@ -298,7 +299,7 @@ impl Laws {
         }
         if let Some((stiffness, at)) = self.spring {
             let level = self.shares(x).1 * step.level;
-            next[at] = (x[at] + stiffness * travel).clamp(-level, level);
+            next[at] = (x[at] + stiffness * travel).max(-level).min(level);
         }
         for (warming, at) in self.friction_warming.iter().chain(&self.fluid_warming) {
             let (power_w, _) = self.power(free, travel / dt_s);

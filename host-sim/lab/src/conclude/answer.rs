@@ -175,8 +175,8 @@ fn rejected(conclusion: &Conclusion) -> Vec<Rejected> {
     conclusion.rejected.iter().filter(|one| one.rise > 0.0).map(one).collect()
 }
 
-/// What the user should know before believing the answer.
-pub(super) fn warnings(problem: &Problem, conclusion: &Conclusion) -> Vec<String> {
+/// What the user should know before believing the answer; where it is told already what to do next, not another time.
+pub(super) fn warnings(problem: &Problem, conclusion: &Conclusion, next: bool) -> Vec<String> {
     let mut warnings = Vec::new();
     if let Some(band_hz) = problem.band_hz() {
         warnings.push(format!(
@@ -185,11 +185,11 @@ pub(super) fn warnings(problem: &Problem, conclusion: &Conclusion) -> Vec<String
         ));
     }
     if conclusion.verdict == judged::Verdict::Ambiguous {
-        warnings.push(
-            "what the alternatives predict differs by less than these recordings' noise; another motion or a direct \
-             measurement (weighing, a torque sensor) tells them apart"
-                .to_owned(),
-        );
+        let otherwise = "; another motion or a direct measurement (weighing, a torque sensor) tells them apart";
+        warnings.push(format!(
+            "what the alternatives predict differs by less than these recordings' noise{}",
+            if next { "" } else { otherwise }
+        ));
     }
     if conclusion.cut_short {
         warnings.push("the search ended at its budget of work: less was tried than would have been".to_owned());

@@ -88,10 +88,10 @@ pub fn diagnose(request: &Request<'_>) -> Result<Diagnosis, Error> {
         (answer.verdict, answer.effects) = (Verdict::Controller, vec![effect]);
     }
     answer.warnings = notes;
-    answer.warnings.extend(answer::warnings(&problem, &conclusion));
     stages.done("answer");
     let proposal = if answer.verdict == Verdict::Ambiguous { proposal(&machine, request, &conclusion) } else { None };
     answer.experiment = proposal.as_ref().map(Proposal::experiment);
+    answer.warnings.extend(answer::warnings(&problem, &conclusion, answer.experiment.is_some()));
     stages.done("propose");
     let improved = conclusion.best.assessed.refitted.hypothesis.physics(&problem.nominal);
     Ok(Diagnosis { answer, improved, nominal: problem.nominal, proposal, stages })

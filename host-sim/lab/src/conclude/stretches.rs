@@ -5,6 +5,7 @@ use std::ops::Range;
 use rand::rngs::StdRng;
 use rand::{Rng, SeedableRng};
 
+use crate::precheck::windows::median_period_s;
 use crate::read::Recording;
 
 /// Rows of all recordings that a diagnosis looks at: five minutes at 2 kHz.
@@ -30,18 +31,18 @@ pub(super) fn stretches(files: &[&Recording], notes: &mut Vec<String>) -> Vec<Re
     files.iter().map(|file| file.driven(&spread(&file.t_s, share))).collect()
 }
 
-/// Rows of the stretches that hold a share of the time.
+/// Rows of the stretches that hold a share of all rows. Shares of the rows and not of the time: where a clock was set in the
+/// middle of a log, nearly all of the time is in that gap.
 fn spread(t_s: &[f64], share: f64) -> Vec<Range<usize>> {
-    let (first_s, length_s) = (t_s[0], t_s[t_s.len() - 1] - t_s[0]);
-    let count = (share * length_s / STRETCH_S).ceil().max(1.0);
-    let (each_s, stretch_s) = (length_s / count, share * length_s / count);
+    let rows = t_s.len() as f64;
+    let count = (share * rows * median_period_s(t_s) / STRETCH_S).ceil().clamp(1.0, rows);
+    let (each, stretch) = (rows / count, share * rows / count);
     let mut random = StdRng::seed_from_u64(SEED);
-    let row = |at_s: f64| t_s.partition_point(|t| *t < at_s);
-    let ranges = (0..count as usize).map(|stretch| {
-        let from_s = first_s + each_s * stretch as f64 + random.random_range(0.0..=each_s - stretch_s);
-        row(from_s)..row(from_s + stretch_s)
+    let row = |at: f64| (at.round() as usize).min(t_s.len());
+    let ranges = (0..count as usize).map(|index| {
+        let from = each * index as f64 + random.random_range(0.0..=(each - stretch).max(0.0));
+        row(from)..row(from + stretch)
     });
-    // In a gap of the recording there may be none.
     let mut ranges: Vec<Range<usize>> = ranges.filter(|rows| rows.len() > 1).collect();
     if ranges.is_empty() {
         ranges.push(0..t_s.len());
@@ -107,5 +108,15 @@ mod tests {
             assert!((rows as f64 / 10_000.0 - share).abs() < 0.003, "{share}: {rows}");
             assert!(ranges.windows(2).all(|pair| pair[0].end <= pair[1].start));
         }
+    }
+
+    /// A clock that is set while it is logged: fifty years in one step.
+    #[test]
+    fn a_leap_of_the_clock_takes_no_rows_away_and_no_time() {
+        let leap = |row: u32| if row < 5000 { 0.0 } else { 1.7e9 };
+        let t_s: Vec<f64> = (0..10_000u32).map(|row| f64::from(row) * 0.01 + leap(row)).collect();
+        let ranges = spread(&t_s, 0.3);
+        let rows: usize = ranges.iter().map(|rows| rows.len()).sum();
+        assert!((rows as f64 / 10_000.0 - 0.3).abs() < 0.003 && ranges.len() == 6, "{rows} in {ranges:?}");
     }
 }

@@ -60,6 +60,15 @@ pub enum Problem {
         /// As the machine file says.
         file_s: f64,
     },
+    /// A value that no machine and no unit has, and whose square may be no number.
+    Huge {
+        /// Where.
+        column: Column,
+        /// The largest, by size.
+        value: f64,
+        /// The most there is.
+        most: f64,
+    },
     /// The commanded torque or force is the same in every row.
     ConstantEffort {
         /// Its value.
@@ -113,6 +122,7 @@ impl Finding {
             | Problem::Speed { .. }
             | Problem::Acceleration { .. }
             | Problem::OtherStep { .. } => Column::Position,
+            Problem::Huge { column, .. } => column,
             Problem::SlowSampling { .. } | Problem::OtherPeriod { .. } => Column::Time,
             Problem::ConstantEffort { .. } | Problem::SignFlipped { .. } => Column::EffortCmd,
             Problem::SameRows | Problem::TooShort { .. } | Problem::Inertia { .. } => return None,
@@ -152,6 +162,9 @@ impl Finding {
             Problem::OtherPeriod { period_s, file_s } => {
                 let unit = in_ms(period_s / file_s);
                 format!("rows are {period_s:.3e} s apart, and `sample_period_s` of the machine file is {file_s}{unit}")
+            }
+            Problem::Huge { value, most, .. } => {
+                format!("{value:.1e} is a value of no machine (at most {most:.0e}); is it a wrong sample?")
             }
             Problem::ConstantEffort { value } => {
                 format!(

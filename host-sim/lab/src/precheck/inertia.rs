@@ -20,6 +20,8 @@ const SIGMA_PER_MAD: f64 = 1.4826;
 const RELATED: f64 = 0.75;
 /// Columns whose common part is all but this share of them, squared, are one column.
 const ALIKE: f64 = 1e-9;
+/// Rotations at most for the eigenvalues of eight columns; thirty are usual, and what is not a number would take for ever.
+const MOST_ROTATIONS: usize = 1000;
 /// Share of the windows that may be wrong, at the top of a speed or an acceleration.
 const WRONG: f64 = 0.005;
 
@@ -82,7 +84,7 @@ fn fitted(windows: &[Window]) -> Option<Inertia> {
     let mut weights = DVector::repeat(windows.len(), 1.0);
     let mut inertia = None;
     for _ in 0..ROUNDS {
-        let [effort, acceleration] = without([&effort, &acceleration], &others, &weights);
+        let [effort, acceleration] = without([&effort, &acceleration], &others, &weights)?;
         let weighted = |one: &DVector<f64>, other: &DVector<f64>| -> f64 {
             one.iter().zip(other).zip(&weights).map(|((one, other), weight)| weight * one * other).sum()
         };
@@ -99,8 +101,8 @@ fn fitted(windows: &[Window]) -> Option<Inertia> {
     inertia.filter(|inertia| inertia.correlation.abs() >= RELATED)
 }
 
-/// What is left of both values once the others are taken out by weighted least squares.
-fn without(values: [&DVector<f64>; 2], others: &DMatrix<f64>, weights: &DVector<f64>) -> [DVector<f64>; 2] {
+/// What is left of both values once the others are taken out by weighted least squares; none where these are not finite.
+fn without(values: [&DVector<f64>; 2], others: &DMatrix<f64>, weights: &DVector<f64>) -> Option<[DVector<f64>; 2]> {
     let roots = weights.map(f64::sqrt);
     let mut scaled = others.clone();
     scaled.column_iter_mut().for_each(|mut column| column.component_mul_assign(&roots));
@@ -108,14 +110,14 @@ fn without(values: [&DVector<f64>; 2], others: &DMatrix<f64>, weights: &DVector<
     let sizes =
         DVector::from_iterator(scaled.ncols(), scaled.column_iter().map(|column| column.norm().max(f64::MIN_POSITIVE)));
     scaled.column_iter_mut().zip(&sizes).for_each(|(mut column, size)| column /= *size);
-    let eigen = scaled.tr_mul(&scaled).symmetric_eigen();
+    let eigen = scaled.tr_mul(&scaled).try_symmetric_eigen(f64::EPSILON, MOST_ROTATIONS)?;
     let least = ALIKE * eigen.eigenvalues.max();
     let inverse = eigen.eigenvalues.map(|value| if value > least { value.recip() } else { 0.0 });
-    values.map(|values| {
+    Some(values.map(|values| {
         let along = eigen.eigenvectors.tr_mul(&scaled.tr_mul(&values.component_mul(&roots)));
         let factors = (&eigen.eigenvectors * along.component_mul(&inverse)).component_div(&sizes);
         values - others * factors
-    })
+    }))
 }
 
 /// Weights of a robust fit from its residuals; all the same where most of these are zero.

@@ -12,7 +12,7 @@ pub use finding::{Finding, Problem, Severity};
 use std::path::Path;
 
 use crate::Error;
-use crate::read::{AxisKind, Machine, Recording, position_step};
+use crate::read::{AxisKind, Column, Machine, Recording, position_step};
 use inertia::{Estimate, estimate};
 use windows::median_period_s;
 
@@ -37,7 +37,15 @@ impl Purpose {
 }
 
 /// Rows further apart than this hold no window of a motion, s.
-const SLOWEST_SAMPLING_S: f64 = 0.05;
+pub(crate) const SLOWEST_SAMPLING_S: f64 = 0.05;
+
+/// Whether rows are too far apart; a time that only its decimal digits put beyond the limit is not.
+pub(crate) fn is_too_slow(period_s: f64) -> bool {
+    period_s > SLOWEST_SAMPLING_S * (1.0 + 1e-6)
+}
+
+/// Largest value of a column in its unit: doubles hold whole numbers up to 9e15, and beyond no motion can be told from rounding.
+const LARGEST: f64 = 1e15;
 /// A period this many times another is of another unit; decimation and a slower log are not.
 const OTHER_UNIT: f64 = 100.0;
 /// A step or an inertia this many times another is not the same one measured badly.
@@ -78,10 +86,14 @@ pub fn check(machine: &Machine, fitted: &[Recording], holdout: &[Recording], pur
             add(Problem::SameRows, Severity::Error);
             continue;
         }
+        if let Some(huge) = huge(recording) {
+            add(huge, Severity::Error);
+            continue;
+        }
         let period_s = median_period_s(&recording.t_s);
         let needed_s = purpose.needed_s(period_s);
         let own_s = self::length_s(recording);
-        if period_s > SLOWEST_SAMPLING_S && recording.rows() > 2 {
+        if is_too_slow(period_s) && recording.rows() > 2 {
             let problem =
                 Problem::SlowSampling { period_s, most_s: SLOWEST_SAMPLING_S, file_s: machine.axis.sample_period_s };
             add(problem, Severity::Error);
@@ -187,6 +199,21 @@ fn balance(
     } else if inertia.low > FAR_OFF * nominal || inertia.high < nominal / FAR_OFF {
         add(Problem::Inertia { low: inertia.low, high: inertia.high, nominal }, Severity::Warning);
     }
+}
+
+/// The first column with a value that nothing can be computed from.
+fn huge(recording: &Recording) -> Option<Problem> {
+    let columns = [
+        (Column::Position, Some(&recording.position)),
+        (Column::EffortCmd, Some(&recording.effort_cmd)),
+        (Column::FieldCmd, recording.field_cmd_kv_mm.as_ref()),
+        (Column::Velocity, recording.velocity.as_ref()),
+    ];
+    let largest = |values: &Vec<f64>| values.iter().copied().max_by(|a, b| a.abs().total_cmp(&b.abs()));
+    columns.into_iter().find_map(|(column, values)| {
+        let value = values.and_then(largest).filter(|value| value.abs() > LARGEST)?;
+        Some(Problem::Huge { column, value, most: LARGEST })
+    })
 }
 
 fn has_same_rows(one: &Recording, other: &Recording) -> bool {

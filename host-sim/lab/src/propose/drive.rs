@@ -19,6 +19,10 @@ pub(crate) struct Motion {
     pub(crate) asked: Limits,
 }
 
+/// Rows of a motion that is planned are no nearer than this, s: no drive controls its position faster, and eight seconds are 80,000
+/// of them.
+const FASTEST_S: f64 = 1e-4;
+
 /// What closes the loop.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Loop {
@@ -35,7 +39,7 @@ impl Loop {
             return Self::Law(config);
         }
         let plant = &machine.plant;
-        let period_s = machine.axis.sample_period_s;
+        let period_s = machine.axis.sample_period_s.max(FASTEST_S);
         // The gains of control.md section 4, for the delay with that of the samples.
         let delay_s = (plant.torque_delay_s + period_s).max(4.0 * period_s);
         Self::Pd {

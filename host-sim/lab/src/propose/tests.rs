@@ -134,6 +134,11 @@ fn limits_hold_and_a_linear_axis_without_controller_is_proposed_for() {
     for offer in &proposal.menu {
         let motion = drive.motion(&right, &offer.item).unwrap();
         assert!(limits.allow(&motion.asked), "{}: {:?}", offer.item.name, motion.asked);
+        let name = offer.item.name;
+        assert!(!name.contains("brake") && !name.contains("field"), "the axis has neither: {name}");
     }
     assert!(best(&Request { rivals: &rivals[..1], ..request }).is_none(), "one model has no rival");
+    // Eight seconds of such a period would be eight trillion rows.
+    let hasty = Machine { axis: Axis { sample_period_s: 1e-12, ..machine.axis.clone() }, ..machine.clone() };
+    assert_eq!(Loop::of(&hasty, &limits).period_s(), 1e-4);
 }

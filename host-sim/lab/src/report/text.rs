@@ -34,10 +34,10 @@ fn write_summary(text: &mut String, answer: &Answer) -> std::fmt::Result {
         let (from, to) = (location.start_s, location.end_s);
         writeln!(
             text,
-            "{:.0} % ({:.0} to {:.0} %) of the excess at {from:.2} to {to:.2} s of {}: {}",
-            100.0 * location.share,
-            100.0 * location.share_low,
-            100.0 * location.share_high,
+            "{} % ({} to {} %) of the excess at {from:.2} to {to:.2} s of {}: {}",
+            per_cent(location.share),
+            per_cent(location.share_low),
+            per_cent(location.share_high),
             location.recording,
             location.text
         )?;

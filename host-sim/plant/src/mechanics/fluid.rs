@@ -98,7 +98,7 @@ impl FluidLaw {
                 x.fluid_regime = if limited { FluidRegime::Limited } else { FluidRegime::Free };
             }
             FluidLaw::Spring { stiffness, .. } => {
-                x.spring_torque = x.spring_torque.clamp(-input.yield_torque, input.yield_torque);
+                x.spring_torque = x.spring_torque.max(-input.yield_torque).min(input.yield_torque);
                 let loaded = x.motion.sign() * x.spring_torque;
                 let edge = input.yield_torque * (1.0 - 1e-12);
                 let loading = stiffness * x.velocity.abs();
@@ -148,7 +148,7 @@ impl FluidLaw {
     pub(crate) fn spring(&self, input: &FluidInput, x: &State, travel: f64) -> f64 {
         let FluidLaw::Spring { stiffness, .. } = *self else { return 0.0 };
         match x.fluid_regime {
-            _ if x.motion.sign() == 0.0 => x.spring_torque.clamp(-input.yield_torque, input.yield_torque),
+            _ if x.motion.sign() == 0.0 => x.spring_torque.max(-input.yield_torque).min(input.yield_torque),
             FluidRegime::Free => x.spring_torque + stiffness * travel,
             FluidRegime::Limited => x.motion.sign() * input.yield_torque,
             FluidRegime::Clipped => -x.motion.sign() * input.yield_torque,

@@ -25,6 +25,8 @@ pub struct Mechanics {
     sensor: SensorModel,
     /// Where the work of every simulation is added.
     work: Option<Arc<AtomicU64>>,
+    /// The most there may be.
+    most: u64,
 }
 
 /// Work of a step of a law without a closed form, in steps of one that has it: the ratio of their measured times.
@@ -49,7 +51,7 @@ impl Mechanics {
         } else {
             Path::General(Box::new(General::new(model)))
         };
-        Ok(Self { path, sensor: model.sensor.clone(), work: None })
+        Ok(Self { path, sensor: model.sensor.clone(), work: None, most: u64::MAX })
     }
 
     /// The same, adding the work of every simulation to a counter: steps and events, those of a law without a closed form
@@ -57,6 +59,12 @@ impl Mechanics {
     #[must_use]
     pub fn counting(self, work: &Arc<AtomicU64>) -> Self {
         Self { work: Some(Arc::clone(work)), ..self }
+    }
+
+    /// The same, with [`Error::TooStiff`] from any simulation that has brought the counter beyond `most`, within a sample.
+    #[must_use]
+    pub fn at_most(self, most: u64) -> Self {
+        Self { most, ..self }
     }
 
     /// The systematic part of the sensor.
@@ -98,12 +106,13 @@ impl Mechanics {
         let mut state = state.with_motion();
         let mut now_s = start_s - self.sensor.latency_s;
         let mut cursor = timeline.at(now_s);
-        let mut steps = 0_u64;
+        let each = if matches!(self.path, Path::Exact(_)) { 1 } else { GENERAL_WORK };
         for (&sample_s, position) in sample_times_s.iter().zip(positions) {
             let sample_s = sample_s - self.sensor.latency_s;
             if !(sample_s >= now_s && sample_s.is_finite()) {
                 return Err(Error::Time { previous_s: now_s, t_s: sample_s });
             }
+            let mut steps = 0_u64;
             while now_s < sample_s {
                 let segment = cursor.segment(now_s);
                 let end_s = segment.end_s.min(sample_s);
@@ -111,10 +120,11 @@ impl Mechanics {
                 now_s = end_s;
             }
             *position = self.sensor.distorted(state.position);
-        }
-        if let Some(work) = &self.work {
-            let each = if matches!(self.path, Path::Exact(_)) { 1 } else { GENERAL_WORK };
-            work.fetch_add(each * steps, Ordering::Relaxed);
+            if let Some(work) = &self.work
+                && work.fetch_add(each * steps, Ordering::Relaxed) > self.most
+            {
+                return Err(Error::TooStiff);
+            }
         }
         Ok(state)
     }

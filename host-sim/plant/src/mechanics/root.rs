@@ -12,7 +12,8 @@ pub(super) fn root(f: impl Fn(f64) -> f64, low: (f64, f64), high: (f64, f64)) ->
         if near.1 == 0.0 || least > 0.5 {
             break;
         }
-        let x = near.0 + part.clamp(least, 1.0 - least) * (far.0 - near.0);
+        // Not `clamp`, which panics where a wild machine has led to no number.
+        let x = near.0 + part.max(least).min(1.0 - least) * (far.0 - near.0);
         let new = (x, f(x));
         let old = if (new.1 < 0.0) == (near.1 < 0.0) { near } else { std::mem::replace(&mut far, near) };
         near = new;
@@ -61,6 +62,13 @@ mod tests {
             println!("{name}: {:e} off after {}", found - at, count.get() - 2);
             assert!((found - at).abs() < 2e-14 && count.get() - 2 <= most, "{name}: {found} {}", count.get() - 2);
         }
+    }
+
+    #[test]
+    fn what_is_no_number_has_a_root_that_is_none_and_no_panic() {
+        assert!(root(|_| f64::NAN, (0.0, 1.0), (f64::NAN, -1.0)).is_nan());
+        root(|_| f64::NAN, (0.0, f64::NAN), (1.0, f64::NAN));
+        root(|x| x, (0.0, -1.0), (f64::INFINITY, f64::INFINITY));
     }
 
     #[test]

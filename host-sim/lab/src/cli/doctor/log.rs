@@ -6,11 +6,10 @@ use super::{Check, State};
 use crate::Error;
 use crate::first_model::{FirstModel, first_model};
 use crate::precheck::windows::median_period_s;
+use crate::precheck::{SLOWEST_SAMPLING_S, is_too_slow};
 use crate::read::{Axis, AxisKind, Machine, MapFlag, Mapping, Recording, Table, guess, position_step};
 use crate::report::Units;
 
-/// Rows further apart than this hold no window of a motion, s.
-const SLOW_S: f64 = 0.02;
 /// Steps of time further from the median than this share of it make windows uneven; the model follows them all the same.
 const JITTER: f64 = 0.2;
 /// Rows at the very top of the effort, as a share, that are a limit and no peak.
@@ -56,8 +55,9 @@ fn read(file: &Path, machine: Option<&Machine>, flags: &[MapFlag]) -> Result<Rec
 fn rate(recording: &Recording, period_s: f64) -> Check {
     let length_s = recording.t_s.last().unwrap_or(&0.0) - recording.t_s.first().unwrap_or(&0.0);
     let found = format!("{:.1} Hz, {} rows, {length_s:.2} s", 1.0 / period_s, recording.rows());
-    if period_s > SLOW_S || period_s <= 0.0 {
-        let message = format!("{found}; too slow for windows of 50 ms: log at 200 Hz or more");
+    if is_too_slow(period_s) || period_s <= 0.0 {
+        let least_hz = 1.0 / SLOWEST_SAMPLING_S;
+        let message = format!("{found}; too slow for any window of a motion: log at {least_hz:.0} Hz or more");
         return Check::new(State::Bad, "rate", message);
     }
     Check::new(State::Good, "rate", found)

@@ -144,8 +144,8 @@ pub(super) fn located(answer: &Answer, plot: &PlotData) -> String {
 }
 
 fn share(share: f64) -> String {
-    let percent = (100.0 * share).clamp(0.0, 100.0);
-    format!("<span class=\"bar\" style=\"--share:{percent:.1}%\">{percent:.0} %</span>")
+    let percent = per_cent(share.clamp(0.0, 1.0));
+    format!("<span class=\"bar\" style=\"--share:{percent}%\">{percent} %</span>")
 }
 
 /// Maps of the residual torque, each with its figures.
