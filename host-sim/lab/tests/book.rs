@@ -32,7 +32,7 @@ fn commands(page: &str) -> Vec<String> {
 #[cfg_attr(debug_assertions, ignore = "minutes without optimisation; the tests in release run it")]
 fn every_command_of_ten_minutes_with_your_own_log_runs() {
     let folder = tempfile::tempdir().unwrap();
-    fs::write(folder.path().join("log.csv"), files::csv(&machine::pushed_pendulum())).unwrap();
+    fs::write(folder.path().join("log.csv"), files::csv(&machine::pushed_pendulum(20.0))).unwrap();
     let program = cargo_bin("servo-lab");
     let mut folders = vec![program.parent().unwrap().to_path_buf()];
     folders.extend(std::env::split_paths(&std::env::var_os("PATH").unwrap()));

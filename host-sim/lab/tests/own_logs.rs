@@ -44,9 +44,11 @@ fn diagnosed(folder: &Path, log: &str) -> Value {
     answer
 }
 
-/// A parameter of the first effect of an answer, which must be this one and believed.
+/// A parameter of the first effect of an answer, which must be this one and believed. An ambiguous answer lists what corrects
+/// the first model of `init` beside it, and says that the log cannot tell which of its values to correct.
 fn value(answer: &Value, effect: &str, parameter: &str) -> f64 {
-    assert!(answer["verdict"] == "named" || answer["verdict"] == "partial", "{}", answer["verdict"]);
+    let verdict = answer["verdict"].as_str().unwrap();
+    assert!(["named", "partial", "ambiguous"].contains(&verdict), "{verdict}");
     let found = &answer["effects"][0];
     assert_eq!(found["id"], effect);
     let parameters = found["parameters"].as_array().unwrap();
@@ -83,7 +85,7 @@ fn the_same_by_any_way_in(folder: &Path, map: &str) {
 #[cfg_attr(debug_assertions, ignore = "minutes without optimisation; the tests in release run it")]
 fn a_pendulum_in_degrees_and_amperes() {
     let folder = tempfile::tempdir().unwrap();
-    let rows = pushed_pendulum();
+    let rows = pushed_pendulum(20.0);
     // The current counts the other way round.
     let reversed: Vec<[f64; 3]> = rows.iter().map(|[t_s, position, effort]| [*t_s, *position, -effort]).collect();
     fs::write(folder.path().join("log.csv"), csv(&reversed)).unwrap();
@@ -102,7 +104,7 @@ fn a_pendulum_in_degrees_and_amperes() {
     // Somebody pushed it.
     let answer = diagnosed(folder.path(), "log.csv");
     near(value(&answer, "disturbance_pulse", "start_s"), 5.0, 0.01, "push, s");
-    near(value(&answer, "disturbance_pulse", "amplitude_nm"), -1.0, 0.2, "push, N m");
+    near(value(&answer, "disturbance_pulse", "amplitude_nm"), -1.0, 0.05, "push, N m");
     // What init guesses by itself has the other sign turned, too.
     let guessed = fs::read_to_string(folder.path().join("unscaled.toml")).unwrap();
     assert!(guessed.contains("scale = -1.0"), "{guessed}");
@@ -126,28 +128,38 @@ fn a_robots_joint_in_mcap() {
     near(machine.plant.inertia, 0.02, 0.1, "inertia, kg m2");
     near(machine.plant.coulomb, 0.3, 0.15, "friction, N m");
     near(machine.axis.sample_period_s, 0.002, 0.01, "period, s");
-    near(machine.axis.resolution, 1e-4, 0.02, "resolution, rad");
     answers(folder.path(), "arm.mcap");
     let answer = diagnosed(folder.path(), "arm.mcap");
-    near(value(&answer, "cogging", "order"), 10.0, 0.02, "cogging, periods a turn");
-    near(value(&answer, "cogging", "amplitude_nm"), 0.2, 0.1, "cogging, N m");
+    near(value(&answer, "cogging", "order_per_rev"), 10.0, 0.02, "cogging, periods a turn");
+    near(value(&answer, "cogging", "amplitude_nm"), 0.2, 0.05, "cogging, N m");
 }
 
 #[test]
 #[cfg_attr(debug_assertions, ignore = "minutes without optimisation; the tests in release run it")]
 fn a_linear_axis_in_mat() {
     let folder = tempfile::tempdir().unwrap();
-    let model = Model { coulomb: 9.0, viscous: 40.0, spring_stiffness: 900.0, ..Model::new(12.0) };
+    let model = Model { coulomb: 9.0, viscous: 40.0, spring_stiffness: 150.0, ..Model::new(12.0) };
     write_mat(&folder.path().join("axis.mat"), &run(&model, [9000.0, 250.0, 0.05], 0.001, 1e-6));
     let printed = lab(folder.path(), &["init", "axis.mat"]);
     println!("{printed}");
     let machine = Machine::read(&folder.path().join("machine.toml")).unwrap();
     assert_eq!(machine.axis.kind, AxisKind::Linear);
-    near(machine.plant.viscous, 40.0, 0.15, "viscous, N s/m");
-    near(machine.axis.resolution, 1e-6, 0.02, "resolution, m");
     answers(folder.path(), "axis.mat");
     let answer = diagnosed(folder.path(), "axis.mat");
-    near(value(&answer, "spring_load", "stiffness_n_m"), 900.0, 0.1, "spring, N/m");
+    near(value(&answer, "spring_load", "stiffness_n_m"), 150.0, 0.05, "spring, N/m");
+}
+
+/// The second thing that is named there is not there: what `init` rounds of the weight, 1 mN m of 1.5 N m, is no value that the
+/// judge varies.
+#[test]
+#[ignore = "unknown: beside the push, right to 0.1 %, an eccentric resolver of 1.5 mrad, and 2 mN m of 12 N m are left"]
+fn a_pendulum_with_a_fine_encoder() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("log.csv"), csv(&pushed_pendulum(100.0))).unwrap();
+    lab(folder.path(), &["init", "log.csv", "--map", "torque=Motor Current [A]:A*0.12"]);
+    let answer = diagnosed(folder.path(), "log.csv");
+    near(value(&answer, "disturbance_pulse", "amplitude_nm"), -1.0, 0.01, "push, N m");
+    assert_eq!(answer["verdict"], "named");
 }
 
 #[test]
