@@ -1,14 +1,21 @@
 //! Logs of machines nobody has described, in their own formats and units: `init`, then answers, as a new user has them.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use std::fmt::Write as _;
+#[path = "own_logs/files.rs"]
+mod files;
+#[path = "own_logs/plant.rs"]
+mod machine;
+
 use std::fs;
 use std::path::Path;
 
 use assert_cmd::Command;
-use lab::read::Machine;
-use plant::effects::Gravity;
-use plant::{Command as Effort, Model, Plant, State};
+use files::{csv, write_mat, write_mcap};
+use lab::read::{AxisKind, Machine};
+use machine::{pushed_pendulum, run};
+use plant::Model;
+use plant::effects::Harmonic;
+use serde_json::Value;
 
 /// Runs `servo-lab` in a folder; what it prints.
 fn lab(folder: &Path, words: &[&str]) -> String {
@@ -24,35 +31,28 @@ fn refused(folder: &Path, words: &[&str]) -> String {
     String::from_utf8(output.stderr).unwrap()
 }
 
-/// Time, position and effort of a machine under a spring and a damper that follow two sines.
-fn run(model: &Model, [stiffness, damping, amplitude]: [f64; 3], period_s: f64, step: f64) -> Vec<[f64; 3]> {
-    let mut plant = Plant::new(model, State::default(), 0.0).unwrap();
-    let mut rows = Vec::new();
-    for tick in 0..(8.0 / period_s) as u32 {
-        let t_s = f64::from(tick) * period_s;
-        let reference = amplitude * ((3.1 * t_s).sin() + 0.4 * (14.0 * t_s).sin());
-        let state = plant.state();
-        let position = (state.position / step).round() * step;
-        let effort = stiffness * (reference - state.position) - damping * state.velocity;
-        rows.push([t_s, position, effort]);
-        plant.advance(&Effort::new(effort, 0.0), t_s + period_s).unwrap();
-    }
-    rows
-}
-
 fn near(found: f64, truth: f64, within: f64, what: &str) {
     println!("{what}: {found:.5}, in truth {truth:.5}");
     assert!((found / truth - 1.0).abs() < within, "{what}: {found}, in truth {truth}");
 }
 
-/// A drive's export in a country with a decimal comma: ms, degrees, amperes of a motor with 0.12 N m/A.
-fn csv(rows: &[[f64; 3]]) -> String {
-    let mut text = String::from("Zeit [ms];Winkel [deg];Motor Current [A]\n");
-    for [t_s, position, effort] in rows {
-        let line = format!("{:.3};{:.4};{:.5}", 1e3 * t_s, position.to_degrees(), effort / 0.12);
-        writeln!(text, "{}", line.replace('.', ",")).unwrap();
-    }
-    text
+/// The answer of `diagnose` by the machine file that `init` wrote.
+fn diagnosed(folder: &Path, log: &str) -> Value {
+    let answer = lab(folder, &["diagnose", "--machine", "machine.toml", log, "--json", "-"]);
+    let answer: Value = serde_json::from_str(&answer).unwrap();
+    println!("{}: {:#}\nremainder {:#}", answer["verdict"], answer["effects"], answer["remainder"]);
+    answer
+}
+
+/// A parameter of the first effect of an answer, which must be this one and believed. An ambiguous answer lists what corrects
+/// the first model of `init` beside it, and says that the log cannot tell which of its values to correct.
+fn value(answer: &Value, effect: &str, parameter: &str) -> f64 {
+    let verdict = answer["verdict"].as_str().unwrap();
+    assert!(["named", "partial", "ambiguous"].contains(&verdict), "{verdict}");
+    let found = &answer["effects"][0];
+    assert_eq!(found["id"], effect);
+    let parameters = found["parameters"].as_array().unwrap();
+    parameters.iter().find(|found| found["id"] == parameter).unwrap()["value"].as_f64().unwrap()
 }
 
 /// `compare` and `doctor` of the log by the machine file that `init` wrote.
@@ -63,12 +63,29 @@ fn answers(folder: &Path, log: &str) {
     assert!(!looked.contains("BAD") && looked.contains("inertia"), "{looked}");
 }
 
+/// The log of the pendulum through standard input, and as formats of others, gives the same.
+fn the_same_by_any_way_in(folder: &Path, map: &str) {
+    lab(folder, &["convert", "log.csv", "--machine", "machine.toml", "-o", "log.mcap"]);
+    lab(folder, &["convert", "log.mcap", "-o", "log.parquet"]);
+    let compared = |log: &str| {
+        let text = lab(folder, &["compare", "--machine", "machine.toml", "--plots", "plots", log]);
+        let lines = text.lines().filter(|line| !line.starts_with("wrote"));
+        lines.collect::<Vec<_>>().join("\n").replace(log, "LOG")
+    };
+    assert_eq!(compared("log.mcap"), compared("log.parquet"));
+    let log = fs::read(folder.join("log.csv")).unwrap();
+    let mut piped = Command::cargo_bin("servo-lab").unwrap();
+    let piped = piped.current_dir(folder).args(["init", "-", "--map", map, "-o", "piped.toml"]);
+    assert!(piped.write_stdin(log).output().unwrap().status.success());
+    let [piped, named] = ["piped.toml", "machine.toml"].map(|file| Machine::read(&folder.join(file)).unwrap());
+    assert_eq!((piped.plant, piped.columns), (named.plant, named.columns));
+}
+
 #[test]
+#[cfg_attr(debug_assertions, ignore = "minutes without optimisation; the tests in release run it")]
 fn a_pendulum_in_degrees_and_amperes() {
     let folder = tempfile::tempdir().unwrap();
-    let gravity = Some(Gravity { amplitude: 1.5, phase_rad: 0.3 });
-    let model = Model { coulomb: 0.1, viscous: 0.02, gravity, ..Model::new(0.05) };
-    let rows = run(&model, [9.0, 0.8, 1.2], 0.002, 1.0_f64.to_radians() / 20.0);
+    let rows = pushed_pendulum(20.0);
     // The current counts the other way round.
     let reversed: Vec<[f64; 3]> = rows.iter().map(|[t_s, position, effort]| [*t_s, *position, -effort]).collect();
     fs::write(folder.path().join("log.csv"), csv(&reversed)).unwrap();
@@ -84,24 +101,65 @@ fn a_pendulum_in_degrees_and_amperes() {
     near(entry.parameters[0].1, 1.5, 0.05, "gravity, N m");
     near(entry.parameters[1].1, 0.3, 0.1, "its phase, rad");
     answers(folder.path(), "log.csv");
+    // Somebody pushed it.
+    let answer = diagnosed(folder.path(), "log.csv");
+    near(value(&answer, "disturbance_pulse", "start_s"), 5.0, 0.01, "push, s");
+    near(value(&answer, "disturbance_pulse", "amplitude_nm"), -1.0, 0.05, "push, N m");
     // What init guesses by itself has the other sign turned, too.
     let guessed = fs::read_to_string(folder.path().join("unscaled.toml")).unwrap();
     assert!(guessed.contains("scale = -1.0"), "{guessed}");
-    // The same log packed, through standard input, and as formats of others.
-    lab(folder.path(), &["convert", "log.csv", "--machine", "machine.toml", "-o", "converted.csv"]);
-    lab(folder.path(), &["convert", "converted.csv", "-o", "log.parquet"]);
-    let compared = |log: &str| {
-        let text = lab(folder.path(), &["compare", "--machine", "machine.toml", "--plots", "plots", log]);
-        let lines = text.lines().filter(|line| !line.starts_with("wrote"));
-        lines.collect::<Vec<_>>().join("\n").replace(log, "LOG")
-    };
-    assert_eq!(compared("converted.csv"), compared("log.parquet"));
-    let log = fs::read(folder.path().join("log.csv")).unwrap();
-    let mut piped = Command::cargo_bin("servo-lab").unwrap();
-    let piped = piped.current_dir(folder.path()).args(["init", "-", "--map", map, "-o", "piped.toml"]);
-    assert!(piped.write_stdin(log).output().unwrap().status.success());
-    let [piped, named] = ["piped.toml", "machine.toml"].map(|file| Machine::read(&folder.path().join(file)).unwrap());
-    assert_eq!((piped.plant, piped.columns), (named.plant, named.columns));
+    the_same_by_any_way_in(folder.path(), map);
+}
+
+#[test]
+#[cfg_attr(debug_assertions, ignore = "minutes without optimisation; the tests in release run it")]
+fn a_robots_joint_in_mcap() {
+    let folder = tempfile::tempdir().unwrap();
+    let cogging = vec![Harmonic { amplitude: 0.2, order: 10.0, phase_rad: 0.5 }];
+    let model = Model { coulomb: 0.3, viscous: 0.05, cogging, ..Model::new(0.02) };
+    write_mcap(&folder.path().join("arm.mcap"), &run(&model, [8.0, 0.3, 0.6], 0.002, 1e-4));
+    let asked = refused(folder.path(), &["init", "arm.mcap"]);
+    assert!(asked.contains("2 joints") && asked.contains("--joint with one of `elbow`, `wrist`"), "{asked}");
+    let printed = lab(folder.path(), &["init", "arm.mcap", "--joint", "elbow"]);
+    println!("{printed}");
+    assert!(printed.contains("`/joint_states.elbow.position` in rad"), "{printed}");
+    assert!(printed.contains("/joint_states.elbow.stamp_s"), "the robot's clock, not the host's: {printed}");
+    let machine = Machine::read(&folder.path().join("machine.toml")).unwrap();
+    near(machine.plant.inertia, 0.02, 0.1, "inertia, kg m2");
+    near(machine.plant.coulomb, 0.3, 0.15, "friction, N m");
+    near(machine.axis.sample_period_s, 0.002, 0.01, "period, s");
+    answers(folder.path(), "arm.mcap");
+    let answer = diagnosed(folder.path(), "arm.mcap");
+    near(value(&answer, "cogging", "order_per_rev"), 10.0, 0.02, "cogging, periods a turn");
+    near(value(&answer, "cogging", "amplitude_nm"), 0.2, 0.05, "cogging, N m");
+}
+
+#[test]
+#[cfg_attr(debug_assertions, ignore = "minutes without optimisation; the tests in release run it")]
+fn a_linear_axis_in_mat() {
+    let folder = tempfile::tempdir().unwrap();
+    let model = Model { coulomb: 9.0, viscous: 40.0, spring_stiffness: 150.0, ..Model::new(12.0) };
+    write_mat(&folder.path().join("axis.mat"), &run(&model, [9000.0, 250.0, 0.05], 0.001, 1e-6));
+    let printed = lab(folder.path(), &["init", "axis.mat"]);
+    println!("{printed}");
+    let machine = Machine::read(&folder.path().join("machine.toml")).unwrap();
+    assert_eq!(machine.axis.kind, AxisKind::Linear);
+    answers(folder.path(), "axis.mat");
+    let answer = diagnosed(folder.path(), "axis.mat");
+    near(value(&answer, "spring_load", "stiffness_n_m"), 150.0, 0.05, "spring, N/m");
+}
+
+/// The second thing that is named there is not there: what `init` rounds of the weight, 1 mN m of 1.5 N m, is no value that the
+/// judge varies.
+#[test]
+#[ignore = "unknown: beside the push, right to 0.1 %, an eccentric resolver of 1.5 mrad, and 2 mN m of 12 N m are left"]
+fn a_pendulum_with_a_fine_encoder() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("log.csv"), csv(&pushed_pendulum(100.0))).unwrap();
+    lab(folder.path(), &["init", "log.csv", "--map", "torque=Motor Current [A]:A*0.12"]);
+    let answer = diagnosed(folder.path(), "log.csv");
+    near(value(&answer, "disturbance_pulse", "amplitude_nm"), -1.0, 0.01, "push, N m");
+    assert_eq!(answer["verdict"], "named");
 }
 
 #[test]

@@ -8,35 +8,81 @@ use std::sync::OnceLock;
 use bytes::Bytes;
 
 use super::columns::{Header, Wanted};
+use super::topics::{self, Topic};
 use super::values::Values;
-use super::{csv_file, parquet_file};
+use super::{csv_file, mat_file, mcap_file, parquet_file, sysid_file, ulog_file};
 use crate::Error;
 
 /// Formats that are read, for messages and help.
-pub const READABLE: &str =
-    "CSV (separated by commas, `;` or tabs, decimal point or comma) and Parquet, each also as .gz";
+pub const READABLE: &str = "CSV (separated by commas, `;` or tabs, decimal point or comma), Parquet, MCAP (JSON, joint states \
+                            of ROS 2 and Foxglove), MATLAB .mat up to version 7, PX4 ULog, and JSON of WPILib's SysId, each \
+                            also as .gz";
 
 /// A log that unpacks to more is taken for a corrupt one, bytes.
 const MOST_UNPACKED: u64 = 1 << 32;
 /// First bytes that tell a format.
 const HEAD: usize = 16;
 
-/// Reads the columns of `file`; `-` is standard input.
-pub(crate) fn read(file: &Path, wanted: Wanted<'_>) -> Result<(Header, Vec<Values>), Error> {
+/// What a log holds.
+pub(crate) enum Log {
+    /// One table.
+    Columns(Header, Vec<Values>),
+    /// Several, each with its own rows.
+    Topics(Vec<Topic>),
+}
+
+impl Log {
+    /// The columns of a recording.
+    pub(crate) fn columns(self, file: &Path, wanted: Wanted<'_>) -> Result<(Header, Vec<Values>), Error> {
+        match self {
+            Self::Columns(header, values) => Ok((header, values)),
+            Self::Topics(topics) => topics::columns(file, &topics, wanted),
+        }
+    }
+}
+
+/// Reads `file` as it stands: topics apart, with the columns of a table that are wanted; `-` is standard input.
+pub(crate) fn read(file: &Path, wanted: Wanted<'_>) -> Result<Log, Error> {
     let failed = |error: io::Error| Error::input(file, None, "", format!("cannot open: {error}"));
-    let (input, head) = Input::open(file).map_err(failed)?;
-    match (format(file, &head)?, input) {
+    let input = Input::open(file).map_err(failed)?;
+    read_input(file, input, wanted)
+}
+
+/// Reads bytes as [`read`] does a file; `file` names them in messages.
+pub(crate) fn read_bytes(file: &Path, bytes: &[u8], wanted: Wanted<'_>) -> Result<Log, Error> {
+    read_input(file, Input::Memory(Bytes::copy_from_slice(bytes)), wanted)
+}
+
+fn read_input(file: &Path, input: Input, wanted: Wanted<'_>) -> Result<Log, Error> {
+    let failed = |error: io::Error| Error::input(file, None, "", format!("cannot open: {error}"));
+    let (input, head) = input.unpacked().map_err(failed)?;
+    let columns = match (format(file, &head)?, input) {
         (Format::Csv, Input::File(input)) => csv_file::read(file, input, wanted),
         (Format::Csv, Input::Memory(bytes)) => csv_file::read(file, Cursor::new(bytes), wanted),
         (Format::Parquet, Input::File(input)) => parquet_file::read(file, input, wanted),
         (Format::Parquet, Input::Memory(bytes)) => parquet_file::read(file, bytes, wanted),
-    }
+        (of_topics, input) => {
+            let bytes = input.bytes().map_err(failed)?;
+            let topics = match of_topics {
+                Format::Mat => mat_file::read(file, &bytes),
+                Format::Ulog => ulog_file::read(file, &bytes),
+                Format::SysId => sysid_file::read(file, &bytes),
+                Format::Mcap | Format::Csv | Format::Parquet => mcap_file::read(file, &bytes),
+            };
+            return topics.map(Log::Topics);
+        }
+    };
+    columns.map(|(header, values)| Log::Columns(header, values))
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Format {
     Csv,
     Parquet,
+    Mcap,
+    Mat,
+    Ulog,
+    SysId,
 }
 
 /// What a file is opened as.
@@ -48,26 +94,36 @@ enum Input {
 }
 
 impl Input {
-    /// Opens a file and gives its first bytes, unpacked.
-    fn open(file: &Path) -> io::Result<(Self, Vec<u8>)> {
-        let mut input = if file.as_os_str() == "-" {
-            Self::Memory(standard_input()?)
-        } else {
-            let opened = File::open(file)?;
-            if fs::metadata(file)?.is_file() { Self::File(opened) } else { Self::Memory(Bytes::from(all(opened)?)) }
-        };
-        let mut head = input.head()?;
+    fn open(file: &Path) -> io::Result<Self> {
+        if file.as_os_str() == "-" {
+            return standard_input().map(Self::Memory);
+        }
+        let opened = File::open(file)?;
+        if fs::metadata(file)?.is_file() { Ok(Self::File(opened)) } else { Ok(Self::Memory(Bytes::from(all(opened)?))) }
+    }
+
+    /// The input unpacked where it is packed, and its first bytes.
+    fn unpacked(mut self) -> io::Result<(Self, Vec<u8>)> {
+        let mut head = self.head()?;
         if head.starts_with(&[0x1f, 0x8b]) {
-            let unpacked = match &input {
+            let unpacked = match &self {
                 Self::File(packed) => all(flate2::read::MultiGzDecoder::new(packed)),
                 Self::Memory(packed) => all(flate2::read::MultiGzDecoder::new(&packed[..])),
             };
             let damaged =
                 |error: io::Error| io::Error::other(format!("the gzip file is damaged or cut short: {error}"));
-            input = Self::Memory(Bytes::from(unpacked.map_err(damaged)?));
-            head = input.head()?;
+            self = Self::Memory(Bytes::from(unpacked.map_err(damaged)?));
+            head = self.head()?;
         }
-        Ok((input, head))
+        Ok((self, head))
+    }
+
+    /// All of it.
+    fn bytes(self) -> io::Result<Bytes> {
+        match self {
+            Self::File(file) => all(file).map(Bytes::from),
+            Self::Memory(bytes) => Ok(bytes),
+        }
     }
 
     fn head(&mut self) -> io::Result<Vec<u8>> {
@@ -99,37 +155,57 @@ fn all(input: impl Read) -> io::Result<Vec<u8>> {
     if bytes.len() as u64 == MOST_UNPACKED { Err(io::Error::other("it holds more than 4 GB")) } else { Ok(bytes) }
 }
 
+/// Formats that are told by their first bytes.
+const READ: &[(&[u8], Format)] = &[
+    (b"PAR1", Format::Parquet),
+    (b"\x89MCAP0", Format::Mcap),
+    (b"MATLAB 5.0 MAT", Format::Mat),
+    (b"ULog\x01\x12\x35", Format::Ulog),
+];
+
+/// Formats that are not read, by their first bytes; what they are, and what to do.
+const NOT_READ: &[(&[u8], &str)] = &[
+    (b"\xff\xfe", "is UTF-16 text; save it as UTF-8"),
+    (b"\xfe\xff", "is UTF-16 text; save it as UTF-8"),
+    (
+        b"MATLAB 7.3 MAT",
+        "is a .mat file of version 7.3; in MATLAB: S = load('log.mat'); save('log_v7.mat', '-struct', 'S', '-v7')",
+    ),
+    (
+        b"\x89HDF\r\n",
+        "is an HDF5 file; export its columns as CSV, in Python: pandas.read_hdf('log.h5').to_csv('log.csv')",
+    ),
+    (b"#ROSBAG", "is a bag of ROS 1; convert it with: mcap convert log.bag log.mcap"),
+    (b"SQLite format 3", "is a bag of ROS 2 as SQLite; convert it with: mcap convert log.db3 log.mcap"),
+    (b"WPILOG", "is a WPILOG of WPILib; export it as CSV with AdvantageScope or the DataLogTool"),
+    (
+        b"ARROW1",
+        "is an Arrow file; save it as Parquet, in Python: pandas.read_feather('log').to_parquet('log.parquet')",
+    ),
+    (b"MDF     ", "is an MDF file; convert it with asammdf: asammdf.MDF('log.mf4').export('csv')"),
+    (b"TDSm", "is a TDMS file of LabVIEW; in Python: nptdms.TdmsFile('log.tdms').as_dataframe().to_csv('log.csv')"),
+    (b"PK\x03\x04", "is a ZIP archive or a spreadsheet; unpack it, or save the sheet as CSV"),
+    (b"\x28\xb5\x2f\xfd", "is packed with zstd; unpack it with: unzstd"),
+    (b"BZh", "is packed with bzip2; unpack it with: bunzip2"),
+    (b"\xfd7zXZ", "is packed with xz; unpack it with: unxz"),
+];
+
 /// The format of a file with these first bytes.
 fn format(file: &Path, head: &[u8]) -> Result<Format, Error> {
     let name = file.to_string_lossy().to_lowercase();
     let name = name.strip_suffix(".gz").unwrap_or(&name);
-    if head.starts_with(b"PAR1") || name.ends_with(".parquet") {
+    if let Some((_, format)) = READ.iter().find(|(first, _)| head.starts_with(first)) {
+        return Ok(*format);
+    }
+    if name.ends_with(".parquet") {
         return Ok(Format::Parquet);
     }
     let other = |what: &str| Err(Error::input(file, None, "", format!("{what}; can be read: {READABLE}")));
-    if head.starts_with(&[0xff, 0xfe]) || head.starts_with(&[0xfe, 0xff]) {
-        return other("is UTF-16 text; save it as UTF-8");
+    if let Some((_, what)) = NOT_READ.iter().find(|(first, _)| head.starts_with(first)) {
+        return other(what);
     }
-    if head.starts_with(b"\x89MCAP0") {
-        return other("is an MCAP file; export the topic as CSV, as PlotJuggler and Foxglove do");
-    }
-    if head.starts_with(b"MATLAB 5.0 MAT") {
-        return other("is a .mat file; in MATLAB: writetable(table(t, position, torque), 'log.csv')");
-    }
-    if head.starts_with(b"MATLAB 7.3 MAT") {
-        return other("is a .mat file of version 7.3; in MATLAB: writetable(table(t, position, torque), 'log.csv')");
-    }
-    if head.starts_with(b"\x89HDF\r\n") {
-        return other("is an HDF5 file; export the columns as CSV");
-    }
-    if head.starts_with(b"ULog\x01\x12\x35") {
-        return other("is a PX4 ULog; convert it with ulog2csv of pyulog, which writes a CSV for each topic");
-    }
-    if head.starts_with(b"#ROSBAG") {
-        return other("is a bag of ROS 1; convert it with: mcap convert");
-    }
-    if head.starts_with(b"SQLite format 3") {
-        return other("is a bag of ROS 2 as SQLite; convert it to MCAP with ros2 bag convert");
+    if head.trim_ascii_start().starts_with(b"{") {
+        return Ok(Format::SysId);
     }
     let is_text = head.is_empty() || !head.contains(&0);
     if is_text || name.ends_with(".csv") {

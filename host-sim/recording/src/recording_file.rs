@@ -20,7 +20,8 @@ impl Recording {
     /// [`Error::Input`] with file, line (CSV) or row (other formats) and column for anything that is not a recording of one
     /// run of such a machine.
     pub fn read(file: &Path, expected: Option<AxisKind>) -> Result<Self, Error> {
-        let (header, values) = log_file::read(file, Wanted::Recording(expected))?;
+        let wanted = Wanted::Recording(expected);
+        let (header, values) = log_file::read(file, wanted)?.columns(file, wanted)?;
         Self::assemble(file, header, values)
     }
 
@@ -39,7 +40,8 @@ impl Recording {
     ///
     /// As [`Recording::of`].
     pub fn mapped(file: &Path, axis: AxisKind, mapping: &Mapping) -> Result<Self, Error> {
-        let (header, values) = log_file::read(file, Wanted::Mapped(axis, mapping))?;
+        let wanted = Wanted::Mapped(axis, mapping);
+        let (header, values) = log_file::read(file, wanted)?.columns(file, wanted)?;
         Self::assemble(file, header, values)
     }
 
@@ -60,6 +62,17 @@ impl Recording {
     /// As [`Recording::read`].
     pub fn from_parquet_bytes(file: &Path, bytes: &[u8], expected: Option<AxisKind>) -> Result<Self, Error> {
         let (header, values) = parquet_file::read(file, Bytes::copy_from_slice(bytes), Wanted::Recording(expected))?;
+        Self::assemble(file, header, values)
+    }
+
+    /// Reads a recording from the bytes of a log of any format, which its first bytes tell; `file` names it in messages.
+    ///
+    /// # Errors
+    ///
+    /// As [`Recording::mapped`].
+    pub fn from_bytes(file: &Path, bytes: &[u8], axis: AxisKind, mapping: &Mapping) -> Result<Self, Error> {
+        let wanted = Wanted::Mapped(axis, mapping);
+        let (header, values) = log_file::read_bytes(file, bytes, wanted)?.columns(file, wanted)?;
         Self::assemble(file, header, values)
     }
 }

@@ -2,16 +2,20 @@
 
 use std::path::Path;
 
-use super::columns::{Header, Wanted};
-use super::log_file;
+use super::columns::{Header, Wanted, place};
+use super::log_file::{self, Log};
+use super::topics::{Series, Topic};
 use super::values::Values;
 use crate::Error;
 
 /// The columns of a log.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Table {
-    /// Names and numbers of the columns that hold nothing but finite numbers; in the order of the file, of one length.
+    /// Names and numbers of the columns that hold nothing but finite numbers; in the order of the file. Of one length within
+    /// a topic.
     pub numbers: Vec<(String, Vec<f64>)>,
+    /// Of each column of [`Table::numbers`], which topic it is of; 0 throughout where the log is one table.
+    pub topics: Vec<usize>,
     /// Names of the other columns.
     pub others: Vec<String>,
 }
@@ -23,8 +27,23 @@ impl Table {
     ///
     /// [`Error::Input`] for a file that cannot be read as a table with a header and at least one row.
     pub fn read(file: &Path) -> Result<Self, Error> {
-        let (header, values) = log_file::read(file, Wanted::Table)?;
-        let table = Self::from_columns(header, values);
+        Self::of(file, log_file::read(file, Wanted::Table)?)
+    }
+
+    /// Reads the bytes of a log of any format, which its first bytes tell; `file` names it in messages.
+    ///
+    /// # Errors
+    ///
+    /// As [`Table::read`].
+    pub fn from_bytes(file: &Path, bytes: &[u8]) -> Result<Self, Error> {
+        Self::of(file, log_file::read_bytes(file, bytes, Wanted::Table)?)
+    }
+
+    fn of(file: &Path, log: Log) -> Result<Self, Error> {
+        let table = match log {
+            Log::Columns(header, values) => Self::from_columns(header, values),
+            Log::Topics(topics) => Self::from_topics(topics),
+        };
         if table.numbers.iter().all(|(_, values)| values.is_empty()) {
             return Err(Error::input(file, None, "", "the file holds no rows of numbers"));
         }
@@ -32,19 +51,49 @@ impl Table {
     }
 
     fn from_columns(header: Header, values: Vec<Values>) -> Self {
-        let mut table = Self { numbers: Vec::new(), others: Vec::new() };
+        let mut table = Self::default();
         for (column, values) in header.columns.into_iter().zip(values) {
-            match numbers(values) {
-                Some(numbers) => table.numbers.push((column.name, numbers)),
-                None => table.others.push(column.name),
+            table.push(0, column.name, numbers(values));
+        }
+        table
+    }
+
+    fn from_topics(topics: Vec<Topic>) -> Self {
+        let mut table = Self::default();
+        for (topic, columns) in topics.into_iter().map(|topic| topic.columns).enumerate() {
+            for (name, series) in columns {
+                let numbers = match series {
+                    Series::Numbers(values) => {
+                        Some(values).filter(|values| values.iter().all(|value| value.is_finite()))
+                    }
+                    Series::Texts(_) => None,
+                };
+                table.push(topic, name, numbers);
             }
         }
         table
     }
 
-    /// The numbers of the column `name`.
-    pub fn column(&self, name: &str) -> Option<&[f64]> {
-        self.numbers.iter().find(|(other, _)| other == name).map(|(_, values)| values.as_slice())
+    fn push(&mut self, topic: usize, name: String, numbers: Option<Vec<f64>>) {
+        match numbers {
+            Some(numbers) => {
+                self.numbers.push((name, numbers));
+                self.topics.push(topic);
+            }
+            None => self.others.push(name),
+        }
+    }
+
+    /// The whole name and the numbers of the column `name`, which may leave out the topic it is of.
+    pub fn column(&self, name: &str) -> Option<(&str, &[f64])> {
+        let names: Vec<String> = self.numbers.iter().map(|(name, _)| name.clone()).collect();
+        let (name, values) = &self.numbers[place(&names, name)?];
+        Some((name, values))
+    }
+
+    /// Which topic the column is of.
+    pub(crate) fn topic(&self, name: &str) -> Option<usize> {
+        self.numbers.iter().position(|(other, _)| other == name).map(|place| self.topics[place])
     }
 }
 

@@ -65,10 +65,19 @@ fn what_is_wrong_with_a_log_is_named() {
     );
     let error = read("a.csv", b"ts;enc;i\n0;0;1.000,5\n", &machine).unwrap_err();
     assert_eq!(error, "a.csv:2: i: `1.000,5` is not a number");
-    let error = read("a.bin", b"PK\x03\x04\0\0\0", &machine).unwrap_err();
+    let error = read("a.bin", b"\x01\x02\x03\0\0\0", &machine).unwrap_err();
     assert!(error.starts_with("a.bin: is not of a known format; can be read: CSV"), "{error}");
+    let error = read("a.xlsx", b"PK\x03\x04\0\0\0", &machine).unwrap_err();
+    assert!(
+        error.starts_with("a.xlsx: is a ZIP archive or a spreadsheet; unpack it, or save the sheet as CSV"),
+        "{error}"
+    );
+    let error = read("a.mcap", b"\x89MCAP0\r\n\x01\xff\xff", &machine).unwrap_err();
+    assert!(error.starts_with("a.mcap: is not an MCAP file that can be read, or was cut short"), "{error}");
     let error = read("a.mat", b"MATLAB 7.3 MAT-file, Platform", &machine).unwrap_err();
-    assert!(error.contains("writetable(table(t, position, torque), 'log.csv')"), "{error}");
+    assert!(error.contains("save('log_v7.mat', '-struct', 'S', '-v7')"), "{error}");
+    let error = read("a.mat", b"MATLAB 5.0 MAT-file, cut", &machine).unwrap_err();
+    assert!(error.starts_with("a.mat: is not a .mat file that can be read, or was cut short"), "{error}");
 }
 
 #[test]

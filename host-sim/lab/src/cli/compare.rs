@@ -17,7 +17,7 @@ pub struct Args {
     /// Machine file: the model that is compared.
     #[arg(long, value_name = "FILE")]
     machine: PathBuf,
-    /// Recordings, CSV or Parquet.
+    /// Recordings, of any format that is read (`help formats`).
     #[arg(required = true, value_name = "RECORDING")]
     recordings: Vec<PathBuf>,
     /// Folder for the pictures, one SVG a recording.

@@ -15,7 +15,7 @@ pub struct Args {
     /// Machine file whose section `columns` says what the columns are; without it, the log must have those of the format.
     #[arg(long, value_name = "FILE")]
     machine: Option<PathBuf>,
-    /// Where the recording goes, in the units of the format: .csv or .parquet.
+    /// Where the recording goes, in the units of the format: .csv, .parquet or .mcap.
     #[arg(long, short, value_name = "FILE")]
     out: PathBuf,
     #[command(flatten)]

@@ -21,7 +21,7 @@ pub struct Args {
     /// Which run, where the log holds several.
     #[arg(long, value_name = "NUMBER")]
     run: Option<u32>,
-    /// Where the recording goes, `.csv` or `.parquet`; without it, CSV on standard output.
+    /// Where the recording goes, `.csv`, `.parquet` or `.mcap`; without it, CSV on standard output.
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
     #[command(flatten)]

@@ -26,7 +26,7 @@ pub struct Args {
     plot: Option<PathBuf>,
     #[command(flatten)]
     overwrite: Overwrite,
-    /// Recordings, CSV or Parquet.
+    /// Recordings, of any format that is read (`help formats`).
     #[arg(required = true, value_name = "RECORDING")]
     recordings: Vec<PathBuf>,
 }

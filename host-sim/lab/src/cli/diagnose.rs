@@ -57,7 +57,7 @@ pub struct Args {
     stages: bool,
     #[command(flatten)]
     overwrite: Overwrite,
-    /// Recordings to diagnose, CSV or Parquet.
+    /// Recordings to diagnose, of any format that is read (`help formats`).
     #[arg(required = true, value_name = "RECORDING")]
     recordings: Vec<PathBuf>,
 }

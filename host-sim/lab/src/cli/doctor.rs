@@ -5,7 +5,7 @@ mod machine;
 
 use std::path::PathBuf;
 
-use crate::read::{Machine, MapFlag};
+use crate::read::{Given, Machine, MapFlag};
 use crate::{Error, output};
 
 /// Flags of `doctor`.
@@ -21,6 +21,9 @@ pub struct Args {
     /// What a column is, as init takes it.
     #[arg(long, value_name = "KEY=NAME:UNIT*SCALE", conflicts_with = "machine")]
     map: Vec<MapFlag>,
+    /// The joint, where the logs hold several.
+    #[arg(long, value_name = "NAME", conflicts_with = "machine")]
+    joint: Option<String>,
 }
 
 /// Whether something is as it should be.
@@ -68,9 +71,10 @@ pub fn run(args: &Args) -> Result<(), Error> {
         return output::print(&text(&machine::checks()));
     }
     let machine = args.machine.as_deref().map(Machine::read).transpose()?;
+    let given = Given { flags: &args.map, joint: args.joint.as_deref(), axis: None };
     let mut all = String::new();
     for file in &args.logs {
-        all += &format!("{}\n{}", file.display(), text(&log::checks(file, machine.as_ref(), &args.map)?));
+        all += &format!("{}\n{}", file.display(), text(&log::checks(file, machine.as_ref(), given)?));
     }
     output::print(&all)
 }

@@ -3,6 +3,7 @@
 pub(super) const INIT: &str = "\
 Example:
   servo-lab init run1.csv --map position=pos:mm --map force=i:A*12.5 --map time=ts:us -o machine.toml
+  servo-lab init arm.mcap --joint elbow
   servo-lab diagnose --machine machine.toml run1.csv";
 pub(super) const CONVERT: &str = "\
 Example:

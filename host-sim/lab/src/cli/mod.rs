@@ -49,7 +49,7 @@ enum Command {
     /// Guess a machine file from logs as they are: columns, units, sampling, and a first model.
     #[command(after_help = examples::INIT)]
     Init(init::Args),
-    /// Write a log of any format that is read as a recording: CSV or Parquet.
+    /// Write a log of any format that is read as a recording: CSV, Parquet or MCAP.
     #[command(after_help = examples::CONVERT)]
     Convert(convert::Args),
     /// Look whether everything is there that a drive needs, or whether a log is fit to be diagnosed.

@@ -12,7 +12,7 @@ pub struct Args {
     /// Machine file whose section `controller` ran; without one, the law's defaults.
     #[arg(long, value_name = "FILE")]
     machine: Option<PathBuf>,
-    /// Recordings, CSV or Parquet.
+    /// Recordings, of any format that is read (`help formats`).
     #[arg(required = true, value_name = "RECORDING")]
     recordings: Vec<PathBuf>,
 }

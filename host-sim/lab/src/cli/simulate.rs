@@ -76,7 +76,7 @@ pub struct Args {
     /// Draw position, error, speed, torque and field.
     #[arg(long, value_name = "FILE.svg")]
     plot: Option<PathBuf>,
-    /// Recording to write, .csv or .parquet; without one, only the summary is printed.
+    /// Recording to write, .csv, .parquet or .mcap; without one, only the summary is printed.
     #[arg(long, short, value_name = "FILE", value_parser = recording_name)]
     out: Option<PathBuf>,
     #[command(flatten)]
@@ -88,8 +88,8 @@ fn recording_name(text: &str) -> Result<PathBuf, String> {
     let file = PathBuf::from(text);
     let extension = file.extension().map(|extension| extension.to_string_lossy().to_ascii_lowercase());
     match extension.as_deref() {
-        Some("csv" | "parquet") => Ok(file),
-        _ => Err("the name of a recording must end in .csv or .parquet".to_owned()),
+        Some("csv" | "parquet" | "mcap") => Ok(file),
+        _ => Err("the name of a recording must end in .csv, .parquet or .mcap".to_owned()),
     }
 }
 

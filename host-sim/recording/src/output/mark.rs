@@ -4,6 +4,7 @@
 //! |---|---|
 //! | JSON, HTML, SVG, TOML, Markdown | [`WORDS`] in the first kilobyte: a value of `provenance`, else a comment |
 //! | CSV | the last name of the header is in quotes and no other is: the same table to every reader of CSV, and the way no other program writes it (a comment would be no recording to other readers) |
+//! | MCAP | [`WORDS`] as the library that wrote it, in the first kilobyte |
 //! | Parquet | [`WORDS`] as a value of the file's metadata, which stands at its end |
 //!
 //! An empty file has nothing to lose and counts as marked.

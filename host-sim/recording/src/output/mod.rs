@@ -6,6 +6,7 @@ mod csv_recording;
 mod files;
 mod growing;
 pub mod mark;
+mod mcap_recording;
 mod parquet_recording;
 mod place;
 
@@ -125,8 +126,8 @@ impl Recording {
         String::from_utf8(text).map_err(|error| failed(error.to_string()))
     }
 
-    /// Writes the recording, as the extension of `file` says: `.csv` or `.parquet`. Every number reads back to the same
-    /// bits. Units follow the axis; gaps stay missing rows.
+    /// Writes the recording, as the extension of `file` says: `.csv`, `.parquet` or `.mcap`. Every number reads back to the
+    /// same bits (of MCAP, whole numbers up to 2^53). Units follow the axis; gaps stay missing rows.
     ///
     /// # Errors
     ///
@@ -140,8 +141,9 @@ impl Recording {
         match extension.as_deref() {
             Some("csv") => Staged::new(file, |to| csv_recording::write(self, to)),
             Some("parquet") => Staged::new(file, |to| parquet_recording::write(self, to).map_err(io::Error::other)),
+            Some("mcap") => Staged::new(file, |to| mcap_recording::write(self, to).map_err(io::Error::other)),
             _ => {
-                let reason = "the name of a recording must end in .csv or .parquet".to_owned();
+                let reason = "the name of a recording must end in .csv, .parquet or .mcap".to_owned();
                 Err(Error::Output { file: file.to_path_buf(), reason })
             }
         }

@@ -7,7 +7,7 @@ use crate::Error;
 use crate::first_model::{FirstModel, first_model};
 use crate::precheck::windows::median_period_s;
 use crate::precheck::{SLOWEST_SAMPLING_S, is_too_slow};
-use crate::read::{Axis, AxisKind, Machine, MapFlag, Mapping, Recording, Table, guess, position_step};
+use crate::read::{Axis, AxisKind, Given, Machine, Mapping, Recording, Table, guess, position_step};
 use crate::report::Units;
 
 /// Steps of time further from the median than this share of it make windows uneven; the model follows them all the same.
@@ -25,8 +25,8 @@ const STEPS_OF_TRAVEL: f64 = 50.0;
 ///
 /// # Errors
 /// A log that cannot be read as a recording.
-pub(super) fn checks(file: &Path, machine: Option<&Machine>, flags: &[MapFlag]) -> Result<Vec<Check>, Error> {
-    let recording = read(file, machine, flags)?;
+pub(super) fn checks(file: &Path, machine: Option<&Machine>, given: Given<'_>) -> Result<Vec<Check>, Error> {
+    let recording = read(file, machine, given)?;
     if recording.rows() < 2 {
         return Ok(vec![Check::new(State::Bad, "rate", "one row tells nothing; record longer".to_owned())]);
     }
@@ -42,12 +42,12 @@ pub(super) fn checks(file: &Path, machine: Option<&Machine>, flags: &[MapFlag]) 
     Ok(checks)
 }
 
-fn read(file: &Path, machine: Option<&Machine>, flags: &[MapFlag]) -> Result<Recording, Error> {
+fn read(file: &Path, machine: Option<&Machine>, given: Given<'_>) -> Result<Recording, Error> {
     if let Some(machine) = machine {
         return Recording::of(file, machine);
     }
     let failed = |message: String| Error::input(file, None, "", message);
-    let (axis, guesses) = guess(&Table::read(file)?, flags, None).map_err(failed)?;
+    let (axis, guesses) = guess(&Table::read(file)?, given).map_err(failed)?;
     let mapping = Mapping::new(guesses.into_iter().map(|guess| guess.mapped).collect(), axis).map_err(failed)?;
     Recording::mapped(file, axis, &mapping)
 }

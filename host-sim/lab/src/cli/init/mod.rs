@@ -8,20 +8,25 @@ use super::Overwrite;
 use crate::first_model::{FirstModel, first_model};
 use crate::output::formats;
 use crate::precheck::windows::median_period_s;
-use crate::read::{Axis, AxisKind, Column, Guess, Machine, MapFlag, Mapping, Recording, Table, guess, position_step};
+use crate::read::{
+    Axis, AxisKind, Column, Given, Guess, Machine, MapFlag, Mapping, Recording, Table, guess, position_step,
+};
 use crate::{Error, output};
 
 /// Flags of `init`.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// Logs of one machine with the same columns; CSV (`,` `;` tab, decimal comma), Parquet, .gz and others, - for standard
-    /// input.
+    /// Logs of one machine with the same columns: CSV (`,` `;` tab, decimal comma), Parquet, MCAP, also as .gz; `help formats`
+    /// lists them all; - for standard input.
     #[arg(required = true, value_name = "LOG")]
     logs: Vec<PathBuf>,
     /// What a column is: time, position, torque (force on a linear axis), reference, velocity and others, as
     /// `KEY=NAME[:UNIT[*SCALE]]`; units such as us, deg, mrad, rev, counts(8192), mm, mN m, A, V. Once for each column.
     #[arg(long, value_name = "KEY=NAME:UNIT*SCALE")]
     map: Vec<MapFlag>,
+    /// The joint of a robot, or the run, where the logs hold several.
+    #[arg(long, value_name = "NAME")]
+    joint: Option<String>,
     /// The kind of axis, where no unit tells it.
     #[arg(long, value_name = "rotary|linear", value_parser = axis_kind)]
     axis: Option<AxisKind>,
@@ -70,7 +75,8 @@ fn find(args: &Args) -> Result<Findings<'_>, Error> {
     let Some(first) = args.logs.first() else { return Err(Error::Usage("no log is given".to_owned())) };
     let usage = |message: String| Error::input(first, None, "", message);
     let table = Table::read(first)?;
-    let (kind, mut guesses) = guess(&table, &args.map, args.axis).map_err(usage)?;
+    let known = Given { flags: &args.map, joint: args.joint.as_deref(), axis: args.axis };
+    let (kind, mut guesses) = guess(&table, known).map_err(usage)?;
     let mut axis = Axis { kind, sample_period_s: 1e-3, resolution: 0.0 };
     let mut mapping = mapping_of(&guesses, kind).map_err(usage)?;
     let mut recordings = read(&args.logs, &axis, &mapping)?;

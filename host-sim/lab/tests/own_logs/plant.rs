@@ -1,0 +1,41 @@
+//! Machines that nobody has described, simulated.
+
+use plant::effects::{Gravity, Pulse};
+use plant::{Command as Effort, Model, Plant, State};
+use rand::SeedableRng as _;
+use rand::rngs::StdRng;
+use rand_distr::{Distribution as _, Normal};
+
+/// A pendulum that somebody pushes once: 1.5 N m hold it level, -1 N m for 0.2 s push it at 5 s. Its encoder has this many steps
+/// a degree.
+pub fn pushed_pendulum(steps_per_deg: f64) -> Vec<[f64; 3]> {
+    let gravity = Some(Gravity { amplitude: 1.5, phase_rad: 0.3 });
+    let pulses = vec![Pulse { start_s: 5.0, duration_s: 0.2, amplitude: -1.0 }];
+    let model = Model { coulomb: 0.1, viscous: 0.02, gravity, pulses, ..Model::new(0.05) };
+    run(&model, [9.0, 0.8, 1.2], 0.002, 1.0_f64.to_radians() / steps_per_deg)
+}
+
+/// Rounds of the drive's loop for each row of the log.
+const ROUNDS: u32 = 20;
+
+/// Time, position and effort of a machine under a spring and a damper that follow two sines. The drive's loop runs faster than
+/// the log, so the effort is a sample of what acts; it is read with a noise of 0.2 % of its largest.
+pub fn run(model: &Model, [stiffness, damping, amplitude]: [f64; 3], period_s: f64, step: f64) -> Vec<[f64; 3]> {
+    let mut plant = Plant::new(model, State::default(), 0.0).unwrap();
+    let mut rows = Vec::new();
+    for round in 0..ROUNDS * (8.0 / period_s) as u32 {
+        let t_s = f64::from(round) * period_s / f64::from(ROUNDS);
+        let reference = amplitude * ((3.1 * t_s).sin() + 0.4 * (14.0 * t_s).sin());
+        let state = plant.state();
+        let effort = stiffness * (reference - state.position) - damping * state.velocity;
+        if round % ROUNDS == 0 {
+            rows.push([t_s, (state.position / step).round() * step, effort]);
+        }
+        plant.advance(&Effort::new(effort, 0.0), t_s + period_s / f64::from(ROUNDS)).unwrap();
+    }
+    let largest = rows.iter().map(|row| row[2].abs()).fold(0.0, f64::max);
+    let noise = Normal::new(0.0, 0.002 * largest).unwrap();
+    let mut random = StdRng::seed_from_u64(7);
+    rows.iter_mut().for_each(|row| row[2] += noise.sample(&mut random));
+    rows
+}

@@ -1,0 +1,78 @@
+//! What the names of columns tell.
+
+use crate::units;
+use crate::{AxisKind, Column};
+
+/// Words of names, in small letters, by what they mean; the likeliest first. A stamp is of the machine, other times may be
+/// when it was logged.
+const TIME: &[&str] = &["stamp", "t", "time", "timestamp", "ts", "seconds", "sec", "clock", "zeit"];
+const POSITION: &[&str] = &["position", "pos", "angle", "theta", "q", "x", "enc", "encoder", "phi", "q1", "winkel"];
+const VELOCITY: &[&str] = &["velocity", "vel", "speed", "omega", "qd", "dq", "w", "v"];
+const EFFORT: &[&str] =
+    &["torque", "force", "tau", "effort", "trq", "current", "cur", "iq", "i", "u", "f", "voltage", "strom"];
+/// Words that make a position the one that is wanted,
+const WANTED: &[&str] =
+    &["reference", "ref", "setpoint", "set", "target", "des", "desired", "demand", "goal", "sp", "cmd", "command"];
+/// and an effort one that was measured, not commanded.
+const MEASURED: &[&str] = &["meas", "measured", "act", "actual", "fb", "feedback", "est", "estimated"];
+
+/// How well a name fits a column; none where it does not.
+pub(super) fn fit(name: &str, column: Column, axis: AxisKind) -> Option<u32> {
+    let words = words(telling(name));
+    let whole = self::words(name);
+    // That a value is wanted or measured is told by a topic as well.
+    let any = |list: &[&str]| words.iter().chain(&whole).any(|word| list.contains(&word.as_str()));
+    let is = |list: &[&str]| words.iter().any(|word| list.contains(&word.as_str()));
+    let rank = |list: &[&str]| {
+        list.iter().position(|known| words.iter().any(|word| word == known)).map(|place| (list.len() - place) as u32)
+    };
+    let quantity = units::told(name).and_then(|unit| units::measure(&unit)).map(|measure| measure.quantity);
+    let by_word = match column {
+        Column::Time => rank(TIME).filter(|_| !is(POSITION) && !is(EFFORT)),
+        Column::Position => rank(POSITION).filter(|_| !any(WANTED) && !is(VELOCITY)),
+        Column::Reference => rank(POSITION).filter(|_| any(WANTED)).or_else(|| {
+            // `reference_rad`, `setpoint [mm]`: of which quantity the unit tells, and nothing else does.
+            rank(WANTED)
+                .filter(|_| quantity.is_some_and(|quantity| column.quantities(axis)[0] == quantity) && !is(EFFORT))
+        }),
+        Column::Velocity => rank(VELOCITY).filter(|_| !any(WANTED)),
+        Column::EffortCmd => rank(EFFORT).filter(|_| !any(MEASURED)),
+        Column::EffortMeas => rank(EFFORT).filter(|_| any(MEASURED)),
+        _ => None,
+    }?;
+    match quantity {
+        // A unit of another kind says more than the name.
+        Some(quantity) => column.quantities(axis).contains(&quantity).then_some(by_word + 100),
+        None => Some(by_word),
+    }
+}
+
+/// The part of a name that tells what it is: what stands behind the last dot, where that tells anything. `/js.q1.effort` is an
+/// effort, whatever the joint is called.
+pub(super) fn telling(name: &str) -> &str {
+    let last = name.rsplit_once('.').map_or(name, |(_, last)| last);
+    let known = |word: &String| [TIME, POSITION, VELOCITY, EFFORT].iter().any(|list| list.contains(&word.as_str()));
+    if words(last).iter().any(known) { last } else { name }
+}
+
+/// The words of a name: parted by signs and by capitals, without its unit.
+pub(super) fn words(name: &str) -> Vec<String> {
+    let name = name.split(['[', '(']).next().unwrap_or(name);
+    let mut words: Vec<String> = Vec::new();
+    let mut before = ' ';
+    for letter in name.chars() {
+        if !letter.is_alphanumeric() {
+            words.push(String::new());
+        } else {
+            if words.is_empty() || (letter.is_uppercase() && before.is_lowercase()) {
+                words.push(String::new());
+            }
+            if let Some(word) = words.last_mut() {
+                word.extend(letter.to_lowercase());
+            }
+        }
+        before = letter;
+    }
+    words.retain(|word| !word.is_empty());
+    words
+}

@@ -1,0 +1,116 @@
+//! A column looked for among those of a log.
+
+use super::names::fit;
+use super::{Guess, has, unit_of};
+use crate::joints::Joints;
+use crate::nearest::quoted;
+use crate::units::{self, Quantity};
+use crate::{AxisKind, Column, MappedColumn, Table};
+
+/// A column of a log that may be the one that is looked for.
+struct Candidate<'a> {
+    /// Whether it is of the topic of the position: what is not has other rows.
+    beside: bool,
+    score: u32,
+    name: &'a str,
+    values: &'a [f64],
+}
+
+/// What is looked through for a column.
+pub(super) struct Search<'a> {
+    pub(super) table: &'a Table,
+    pub(super) joints: &'a Joints<'a>,
+    pub(super) axis: AxisKind,
+    /// What is known already.
+    pub(super) taken: &'a [Guess],
+}
+
+impl<'a> Search<'a> {
+    /// Columns that are not taken and of no other joint.
+    fn free(&self) -> impl Iterator<Item = Candidate<'a>> {
+        let position = self.taken.iter().find(|guess| guess.mapped.column == Column::Position);
+        let topic = position.and_then(|guess| self.table.topic(&guess.mapped.name));
+        let of = self.table.numbers.iter().zip(&self.table.topics);
+        of.filter(|((name, _), _)| {
+            !self.taken.iter().any(|guess| guess.mapped.name == *name) && !self.joints.is_of_another(name)
+        })
+        .map(move |((name, values), of)| Candidate {
+            beside: topic.is_none_or(|topic| topic == *of),
+            score: 0,
+            name,
+            values,
+        })
+    }
+
+    /// The columns that fit, the likeliest first.
+    fn fitting(&self, column: Column) -> Vec<Candidate<'a>> {
+        let scored = |candidate: Candidate<'a>| {
+            let rising = column != Column::Time || rises(candidate.values);
+            fit(candidate.name, column, self.axis).filter(|_| rising).map(|score| Candidate { score, ..candidate })
+        };
+        let mut fitting: Vec<_> = self.free().filter_map(scored).collect();
+        fitting.sort_by_key(|candidate| std::cmp::Reverse((candidate.beside, candidate.score)));
+        fitting
+    }
+
+    /// The column by its name; an error where a required one is not found.
+    pub(super) fn column(&self, column: Column) -> Result<Option<Guess>, String> {
+        let (table, axis) = (self.table, self.axis);
+        let mut fitting = self.fitting(column);
+        let mut because = "by its name".to_owned();
+        if fitting.is_empty() && column == Column::EffortCmd {
+            fitting = self.fitting(Column::EffortMeas);
+            "a measured one, there is no commanded one".clone_into(&mut because);
+        }
+        if fitting.is_empty() && column == Column::Time {
+            if let Some(broken) = broken_time(table) {
+                return Err(broken);
+            }
+            fitting = self.free().filter(|candidate| candidate.beside && rises(candidate.values)).take(1).collect();
+            "the first that always rises".clone_into(&mut because);
+        }
+        let Some(Candidate { beside, score, name, values }) = fitting.first() else {
+            return if Column::REQUIRED.contains(&column) { Err(missing(table, column, axis)) } else { Ok(None) };
+        };
+        let alike = |other: &&Candidate<'_>| (other.beside, other.score) == (*beside, *score);
+        let rivals: Vec<_> = fitting[1..].iter().filter(alike).map(|other| quoted(other.name)).collect();
+        if !rivals.is_empty() {
+            because += &format!(", as well as {}", rivals.join(", "));
+        }
+        let (unit, unit_because, unit_unsure) = unit_of(column, axis, name, values);
+        let needs_scale = units::measure(&unit)
+            .is_some_and(|measure| matches!(measure.quantity, Quantity::Current | Quantity::Voltage));
+        let own = column.unit(axis);
+        if needs_scale {
+            let key = column.key(axis);
+            because += &format!("; scale 1 {own}/{unit} is NOT KNOWN, give --map \"{key}={name}:{unit}*SCALE\"");
+        }
+        let mapped = MappedColumn::new(column, axis, name, &unit, needs_scale.then_some(1.0))?;
+        let unsure = unit_unsure || needs_scale || !rivals.is_empty() || *score == 0;
+        Ok(Some(Guess { mapped, because: format!("{because}; unit: {unit_because}"), unsure }))
+    }
+}
+
+fn rises(values: &[f64]) -> bool {
+    values.windows(2).all(|pair| pair[1] > pair[0])
+}
+
+/// What is wrong with the column that is the time by its unit: another that rises in its place, as a counter of rows does, would
+/// mislead.
+fn broken_time(table: &Table) -> Option<String> {
+    let is_time = |name: &str| fit(name, Column::Time, AxisKind::Rotary).is_some_and(|score| score > 100);
+    let advice = "mend the log, or give another column as --map \"time=NAME:s\"";
+    if let Some((name, values)) = table.numbers.iter().find(|(name, _)| is_time(name)) {
+        let row = values.windows(2).position(|pair| pair[1] <= pair[0])?;
+        let (from, to, name) = (values[row], values[row + 1], quoted(name));
+        return Some(format!("{name} does not rise from {from} to {to}, rows {} and {}; {advice}", row + 1, row + 2));
+    }
+    let name = table.others.iter().find(|name| is_time(name))?;
+    Some(format!("{} holds cells that are no finite numbers; {advice}", quoted(name)))
+}
+
+fn missing(table: &Table, column: Column, axis: AxisKind) -> String {
+    let (key, unit) = (column.key(axis), column.unit(axis));
+    let what = if column == Column::Time { "no column always rises" } else { "no name tells" };
+    format!("which column is `{key}`? {what}; {}; give it as --map \"{key}=NAME:{unit}\"", has(table))
+}
