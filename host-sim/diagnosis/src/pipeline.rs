@@ -1,6 +1,6 @@
 //! From recordings to the conclusion; the only place that knows every stage.
 
-use crate::confidence_set::{Comparison, Interval, LEVEL_OF_THE_SET, Step, excluded, intervals};
+use crate::confidence_set::{Comparison, Interval, Step, excluded, intervals};
 use crate::effects::{Effect, VOCABULARY};
 use crate::goodness::{Predictor, predictors};
 use crate::hypothesis::{Entry, Hypothesis, Refitted};
@@ -19,7 +19,7 @@ pub struct Named {
     pub intervals: Vec<Interval>,
     /// What the recordings cannot tell from it, best first.
     pub equivalent: Vec<&'static Effect>,
-    /// What is no effect of the vocabulary and predicts as much with as few free values, or certainly more.
+    /// What is no effect of the vocabulary and predicts as much with as few free values.
     pub nuisances: Vec<&'static Effect>,
     /// Whether one of those is as simple.
     pub standing: Standing,
@@ -124,8 +124,7 @@ fn beside<'a>(found: &'a Found, excluded: &[bool], at: usize) -> Beside<'a> {
         let freedom = rival.step.assessed.freedom();
         let Some(other) = hypothesis.entries.last().map(|entry| entry.effect) else { continue };
         if !other.nameable {
-            let certainly_better = rival.behind.reversed().p_value() < LEVEL_OF_THE_SET;
-            if certainly_better || (!excluded && freedom <= own) {
+            if !excluded && freedom <= own {
                 beside.nuisances.push(other);
             }
         } else if !excluded && !beside.alike.iter().any(|(.., effect)| *effect == other) {

@@ -27,13 +27,6 @@ impl Comparison {
     }
 }
 
-impl Comparison {
-    /// How much better the other is than the one.
-    pub fn reversed(self) -> Self {
-        Self { difference: -self.difference, z: -self.z, rank_z: -self.rank_z, window_z: -self.window_z }
-    }
-}
-
 /// Significance at which a rival is held to be worse, over all rivals together.
 pub const LEVEL_OF_THE_SET: f64 = 0.05;
 
