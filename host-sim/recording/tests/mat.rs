@@ -112,3 +112,25 @@ fn a_file_that_is_cut_short_or_damaged_is_a_message() {
     let error = read(&packed[..packed.len() - 5]).unwrap_err();
     assert!(error.contains("or was cut short"), "{error}");
 }
+
+/// An element: type, size, bytes padded to eight.
+fn element(kind: u32, data: &[u8]) -> Vec<u8> {
+    let mut element = [kind.to_le_bytes(), u32::try_from(data.len()).unwrap().to_le_bytes()].concat();
+    element.extend(data);
+    element.resize(element.len().next_multiple_of(8), 0);
+    element
+}
+
+#[test]
+fn structures_without_fields_are_none_however_many_are_claimed() {
+    let words = |words: &[u32]| words.iter().flat_map(|word| word.to_le_bytes()).collect::<Vec<u8>>();
+    let (flags, dimensions) = (element(6, &words(&[2, 0])), element(5, &words(&[u32::MAX, u32::MAX >> 1])));
+    // Names of 32 bytes each, and five bytes of them.
+    let fields = [element(5, &words(&[32])), element(1, b"field")].concat();
+    let content = [flags, dimensions, element(1, b"run"), fields].concat();
+    let mut file = b"MATLAB 5.0 MAT-file".to_vec();
+    file.resize(124, b' ');
+    file.extend(b"\0\x01IM");
+    file.extend(element(14, &content));
+    assert_eq!(read(&file).unwrap_err(), "a.mat: it holds no vectors of numbers");
+}

@@ -137,10 +137,14 @@ fn structures(mut rest: &[u8], dimensions: &[usize], depth: usize) -> Result<Con
     let length = expected(&mut rest, INT32, "lengths of the fields")?;
     let length = u32::from_le_bytes(length.try_into().map_err(|_| cut_short())?) as usize;
     let names = expected(&mut rest, INT8, "fields")?;
-    if length == 0 || names.is_empty() {
+    if length == 0 {
         return Ok(Content::Other);
     }
     let names: Vec<String> = names.chunks_exact(length).map(text).collect();
+    // Without fields nothing bounds the count that a damaged file claims.
+    if names.is_empty() {
+        return Ok(Content::Other);
+    }
     let count = dimensions.iter().try_fold(1_usize, |count, side| count.checked_mul(*side)).ok_or_else(cut_short)?;
     let mut structures = Vec::new();
     for _ in 0..count {
