@@ -26,6 +26,10 @@ fn dressed(kind: u8, bytes: &[u8]) -> Vec<u8> {
 fuzz_target!(|bytes: &[u8]| {
     let Some((kind, rest)) = bytes.split_first() else { return };
     let (file, log) = (Path::new("fuzz"), dressed(*kind, rest));
+    // Parquet has a target of its own.
+    if log.starts_with(b"PAR1") {
+        return;
+    }
     let Ok(table) = Table::from_bytes(file, &log) else { return };
     let Ok((axis, guesses)) = guess(&table, Given::default()) else { return };
     let columns = guesses.into_iter().map(|guess| guess.mapped).collect();
