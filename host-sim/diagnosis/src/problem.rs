@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use crate::effects::{Excitation, measured};
 use crate::likelihood::inverse::Motion;
-use crate::likelihood::{Grid, Rounding};
+use crate::likelihood::{Grid, Lately, Rounding};
 use crate::physics::Physics;
 use crate::recorded::Recorded;
 
@@ -20,6 +20,8 @@ pub struct Problem {
     pub fitted: usize,
     /// Substeps of each recording.
     pub grids: Vec<Grid>,
+    /// What acted in each recording under the machines looked at lately.
+    pub(crate) lately: Vec<Lately>,
     /// The motion of each recording, given, where the torque column may be a measurement; else empty, and the torque is a command.
     pub motions: Vec<Motion>,
     /// Row ranges of the blocks of each recording.
@@ -48,6 +50,7 @@ impl Problem {
     /// Prepares recordings; `resolution` is the sensor's step, rad (m).
     pub fn new(nominal: Physics, recordings: Vec<Recorded>, fitted: usize, resolution: f64, linear: bool) -> Self {
         let grids = recordings.iter().map(Grid::new).collect();
+        let lately = recordings.iter().map(|_| Lately::default()).collect();
         let blocks = recordings.iter().map(blocks).collect();
         let excerpts = recordings.iter().map(|recorded| stretches(recorded.rows())).collect();
         let excitation = Excitation { step: resolution, ..excitation(&recordings, fitted, linear) };
@@ -60,6 +63,7 @@ impl Problem {
             recordings,
             fitted,
             grids,
+            lately,
             blocks,
             excitation,
             least_sensor_sd,
@@ -71,9 +75,29 @@ impl Problem {
     }
 }
 
-/// Substeps of three states of one diagnosis: 25 s on one core at the 40 million a second that were measured on a 2 kHz log, up to twice
-/// that where rows are few and what surrounds a pass counts, so that any search ends within a minute, after the same work on any machine.
-const WORK: u64 = 1_000_000_000;
+impl Problem {
+    /// The same with finer substeps.
+    pub(crate) fn finer(&self) -> Self {
+        Self {
+            nominal: self.nominal.clone(),
+            recordings: self.recordings.clone(),
+            fitted: self.fitted,
+            grids: self.recordings.iter().map(Grid::finer).collect(),
+            lately: self.recordings.iter().map(|_| Lately::default()).collect(),
+            motions: self.motions.clone(),
+            blocks: self.blocks.clone(),
+            excitation: self.excitation.clone(),
+            step: self.step,
+            least_sensor_sd: self.least_sensor_sd,
+            spent: AtomicU64::new(0),
+            excerpts: self.excerpts.clone(),
+        }
+    }
+}
+
+/// Substeps of three states of one diagnosis: 50 s on one core at the eight million a second that were measured on 2 kHz logs (EPYC,
+/// with all that surrounds the passes), so that any search ends within a minute, after the same work on any machine.
+const WORK: u64 = 400_000_000;
 
 impl Problem {
     /// Counts work done, in substeps of three states.

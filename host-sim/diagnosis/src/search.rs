@@ -1,19 +1,18 @@
 //! Forward selection with refits of the few, then backward elimination.
 
-use rayon::prelude::*;
+mod around;
+
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use crate::confidence_set::{Assessed, Comparison, Step, compare, excluded};
 use crate::effects::{Effect, NUISANCES};
-use crate::hypothesis::{Entry, Hypothesis, Refitted, kept, noise_of, refit};
+use crate::hypothesis::{Entry, Hypothesis, Refitted, noise_of, refit};
 use crate::likelihood::Noise;
 use crate::problem::Problem;
-use crate::score::{Candidate, score};
 
-/// Effects that are refitted of all that are scored. The right one was among the first five in each of 66 tuning cases.
-const REFITTED: usize = 5;
-/// Of these, how many are followed to their optimum.
-const FOLLOWED: usize = 3;
+pub use around::Odds;
+use around::{Around, NOT_YET, REFITTED, freedom, price};
+
 /// Most effects of one hypothesis: twice what the hardest case of the proof conceals.
 const MOST_EFFECTS: usize = 6;
 
@@ -21,18 +20,6 @@ const MOST_EFFECTS: usize = 6;
 pub const LEVEL_OF_A_STEP: f64 = 0.01;
 /// Smallest improvement of the windows that is worth a name (diagnosis.md: at least 3 % less held-out error).
 pub const SMALLEST_GAIN: f64 = 0.03;
-
-/// Among how many variants an effect was found, and how often chance has its start stand out.
-#[derive(Debug, Clone, Copy)]
-pub struct Odds {
-    tries: f64,
-    by_chance: f64,
-    /// p-value and gain when it was taken.
-    taken: (f64, f64),
-}
-
-/// Evidence of an entry that was put in without a test.
-const NOT_YET: (f64, f64) = (1.0, 0.0);
 
 /// What a search tried and found.
 #[derive(Debug)]
@@ -90,73 +77,6 @@ pub fn nominal(problem: &Problem) -> Option<Refitted> {
     refit(problem, &Hypothesis::default(), &first_noise(problem), 1)
 }
 
-/// Candidates beside a hypothesis, best first.
-pub fn candidates(problem: &Problem, at: &Refitted, vocabulary: &[&'static Effect]) -> Vec<Candidate> {
-    let physics = at.hypothesis.physics(&problem.nominal);
-    let Some(path) = kept(problem, &physics, &at.noise, problem.fitted) else { return Vec::new() };
-    score(problem, &at.hypothesis, &path, vocabulary)
-}
-
-/// Log-likelihood that a free value must bring to rank as high without it (Schwarz 1978).
-fn price(problem: &Problem) -> f64 {
-    0.5 * (problem.residuals().max(2) as f64).ln()
-}
-
-fn freedom(refitted: &Refitted) -> f64 {
-    refitted.hypothesis.entries.iter().map(|entry| entry.effect.freedom(&entry.values)).sum::<usize>() as f64
-}
-
-/// The refits of the first few candidates, best first by likelihood with a price on each free value.
-pub fn extend(problem: &Problem, at: &Refitted, candidates: &[Candidate]) -> Vec<(Refitted, Odds)> {
-    let mut starts: Vec<(Hypothesis, Hypothesis, Odds)> = Vec::new();
-    let mut seen: Vec<&'static str> = Vec::new();
-    for candidate in candidates {
-        let id = candidate.entry.effect.id;
-        let times = seen.iter().filter(|other| **other == id).count();
-        // A second start of an effect where it has several valleys.
-        if times < 2 && (times == 0 || starts.len() < REFITTED) {
-            let with = |values: &[f64]| at.hypothesis.with(candidate.entry.effect, values.to_vec());
-            starts.push((
-                with(&candidate.entry.values),
-                with(&candidate.from),
-                Odds { tries: candidate.tries, by_chance: candidate.by_chance, taken: NOT_YET },
-            ));
-        }
-        seen.push(id);
-        if starts.len() == 2 * REFITTED {
-            break;
-        }
-    }
-    let short = |(start, from, tries): &(Hypothesis, Hypothesis, Odds)| {
-        let found = refit(problem, start, &at.noise, 2)?;
-        // A step that leads astray is taken again from where it began.
-        let better = found.log_likelihood > at.log_likelihood;
-        let found = if better { found } else { refit(problem, from, &at.noise, 2)? };
-        Some((found, *tries))
-    };
-    let price = price(problem);
-    let rank = |found: &mut Vec<(Refitted, Odds)>| {
-        let worth = |one: &(Refitted, Odds)| one.0.log_likelihood - price * freedom(&one.0);
-        found.sort_by(|a, b| worth(b).total_cmp(&worth(a)));
-    };
-    let mut found: Vec<(Refitted, Odds)> = starts.par_iter().filter_map(short).collect();
-    rank(&mut found);
-    let mut once: Vec<&'static str> = Vec::new();
-    found.retain(|(one, _)| {
-        let id = one.hypothesis.entries.last().map_or("", |entry| entry.effect.id);
-        let first = !once.contains(&id);
-        once.push(id);
-        first
-    });
-    let rest = found.split_off(FOLLOWED.min(found.len()));
-    let follow =
-        |(start, tries): &(Refitted, Odds)| Some((refit(problem, &start.hypothesis, &start.noise, 10)?, *tries));
-    let mut found: Vec<(Refitted, Odds)> = found.par_iter().filter_map(follow).collect();
-    found.extend(rest);
-    rank(&mut found);
-    found
-}
-
 /// Probability that chance alone brings `gain` to an entry, corrected for all that was tried.
 pub fn p_value(assessed: &Assessed, entry: usize, gain: f64, odds: Odds) -> f64 {
     let of = &assessed.refitted.hypothesis.entries[entry];
@@ -186,16 +106,19 @@ fn first(problem: &Problem, nominal: &Step, vocabulary: &[&'static Effect]) -> O
 /// Searches from the nominal machine, and from the one with what others would stand in for; the likelier end is gone on from.
 pub fn search(problem: &Problem, vocabulary: &[&'static Effect]) -> Option<Found> {
     let nominal = Step::new(problem, nominal(problem)?)?;
-    let mut ends = vec![forward(problem, vocabulary, nominal.clone())];
+    let all: Vec<&'static Effect> = vocabulary.iter().copied().chain(nuisances(vocabulary)).collect();
+    let around_nominal = Around::new(&nominal, &all);
+    let mut ends = vec![forward(problem, vocabulary, nominal.clone(), &around_nominal)];
     if let Some(first) = first(problem, &nominal, vocabulary) {
-        ends.push(forward(problem, vocabulary, first));
+        let around_first = Around::new(&first, vocabulary);
+        ends.push(forward(problem, vocabulary, first, &around_first));
     }
     let worth = |end: &Forward| {
         let at = &end.best.assessed;
         at.total() - price(problem) * at.freedom() as f64
     };
     let best = ends.into_iter().max_by(|a, b| worth(a).total_cmp(&worth(b)))?;
-    neighbourhood(problem, vocabulary, nominal, best)
+    neighbourhood(problem, vocabulary, nominal, &around_nominal, best)
 }
 
 /// The end of a forward selection.
@@ -205,8 +128,10 @@ struct Forward {
     rejected: Vec<Rejected>,
 }
 
-fn forward(problem: &Problem, vocabulary: &[&'static Effect], from: Step) -> Forward {
+/// From a hypothesis, and what is found around it.
+fn forward(problem: &Problem, vocabulary: &[&'static Effect], from: Step, around: &Around) -> Forward {
     let mut best = from;
+    let mut moved: Option<Around> = None;
     let began = best.assessed.refitted.hypothesis.entries.len();
     let mut tried = vec![Odds { tries: 1.0, by_chance: 0.0, taken: NOT_YET }; began];
     // What happens once is looked for when nothing that holds always is left.
@@ -214,12 +139,13 @@ fn forward(problem: &Problem, vocabulary: &[&'static Effect], from: Step) -> For
     let mut among: &[&'static Effect] = &lasting;
     let mut rejected = Vec::new();
     while best.assessed.refitted.hypothesis.entries.len() < MOST_EFFECTS + began && !problem.is_spent() {
-        let found = extend(problem, &best.assessed.refitted, &candidates(problem, &best.assessed.refitted, among));
+        let found = moved.as_ref().unwrap_or(around).extended(problem, among);
         let taken = found.iter().find_map(|(one, odds)| Some((worth(problem, &best, one, *odds)?, *odds)));
         match taken {
             Some(((next, taken), odds)) => {
                 tried.push(Odds { taken, ..odds });
                 best = next;
+                moved = Some(Around::new(&best, vocabulary));
             }
             None if among.len() < vocabulary.len() => among = vocabulary,
             None => {
@@ -291,6 +217,7 @@ fn neighbourhood(
     problem: &Problem,
     vocabulary: &[&'static Effect],
     nominal: Step,
+    around_nominal: &Around,
     Forward { mut best, mut tried, rejected }: Forward,
 ) -> Option<Found> {
     let mut evidence = Vec::new();
@@ -328,8 +255,11 @@ fn neighbourhood(
         let own = hypothesis.entries[at].effect;
         let others: Vec<&'static Effect> =
             vocabulary.iter().copied().filter(|effect| *effect != own).chain(nuisances(vocabulary)).collect();
-        let found =
-            extend(problem, &without.assessed.refitted, &candidates(problem, &without.assessed.refitted, &others));
+        let found = if hypothesis.entries.len() == 1 {
+            around_nominal.extended(problem, &others)
+        } else {
+            Around::new(&without, &others).extended(problem, &others)
+        };
         // What does not explain what is missing here by itself is no rival, however little tells it apart.
         let floor = without.assessed.refitted.log_likelihood;
         let rival = |(one, odds): (Refitted, Odds)| {

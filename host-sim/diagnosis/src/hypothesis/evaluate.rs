@@ -2,7 +2,6 @@
 
 use std::ops::Range;
 
-use plant::Model;
 use rayon::prelude::*;
 
 use crate::likelihood::filter::{Driven, Innovations, Path, Prepared};
@@ -81,7 +80,8 @@ fn pass(
 /// What acts in a recording.
 fn acting(problem: &Problem, physics: &Physics, index: usize) -> Option<Acting> {
     let measured = !problem.motions.is_empty();
-    Acting::new(physics, index, &problem.recordings[index], &problem.grids[index], measured)
+    let (recorded, grid) = (&problem.recordings[index], &problem.grids[index]);
+    Acting::new(physics, index, recorded, grid, measured, &problem.lately[index])
 }
 
 /// What a look along a given motion costs of a filter's substep: measured, a row against four substeps.
@@ -131,20 +131,17 @@ impl Kept {
 
     /// Response of the whitened innovations of every row of every recording to another machine; none where the plant refuses it.
     pub(crate) fn response(&self, problem: &Problem, other: &Physics) -> Option<Vec<Vec<f64>>> {
-        let same = same_actuation(&self.physics, other);
         let one = |(index, kept): (usize, &KeptRecording)| {
-            let acting = if same { None } else { Some(acting(problem, other, index)?) };
-            let acting = acting.as_ref().unwrap_or(&kept.acting);
-            let prepared = Prepared::new(other, index, problem.step);
+            let (prepared, acting) = prepare(problem, other, index)?;
             let column = match (&kept.path, problem.motions.get(index)) {
                 (None, Some(motion)) => {
-                    let residual = residual(problem, index, motion, &prepared, acting);
+                    let residual = residual(problem, index, motion, &prepared, &acting);
                     let recorded = &problem.recordings[index];
                     prepared.difference(&kept.innovations, motion, recorded, &residual, &self.noise[index])
                 }
                 (path, _) => {
                     problem.spend(prepared.cost() * problem.grids[index].substeps());
-                    prepared.response(&kept.prepared, path.as_ref()?, driven(problem, index, acting))
+                    prepared.response(&kept.prepared, path.as_ref()?, driven(problem, index, &acting))
                 }
             };
             column.iter().all(|value| value.is_finite()).then_some(column)
@@ -176,46 +173,6 @@ impl Kept {
             (None, None) => MissingTorque::none(driven.grid.substeps()),
         }
     }
-}
-
-/// Whether the same acts on the rotor in both.
-fn same_actuation(one: &Physics, other: &Physics) -> bool {
-    let drive = |p: &Physics| {
-        // Without `..`: a field that an effect adds has to be thought of here.
-        let Model {
-            inertia: _,
-            coulomb: _,
-            viscous: _,
-            torque_gain,
-            torque_offset,
-            torque_limit,
-            torque_deadband,
-            torque_delay_s,
-            torque_lag_s,
-            er,
-            stribeck: _,
-            asymmetry: _,
-            presliding_stiffness: _,
-            load_friction: _,
-            viscous_warming: _,
-            quadratic_drag: _,
-            cogging: _,
-            torque_ripple: _,
-            gravity: _,
-            spring_stiffness: _,
-            shaft: _,
-            pulses: _,
-            vibration: _,
-            sensor,
-        } = &p.model;
-        (
-            (*torque_gain, *torque_offset, *torque_limit, *torque_deadband),
-            (*torque_delay_s, *torque_lag_s, sensor.latency_s, p.skew_s),
-            (p.torque_filter_s, p.command_blur_s),
-            er.clone(),
-        )
-    };
-    drive(one) == drive(other) && one.pushes == other.pushes && one.tone == other.tone && other.model.validate().is_ok()
 }
 
 /// The noise of each recording under which a machine is most likely, searched from `from` in steps of 2^`octaves` downwards for

@@ -4,9 +4,9 @@
 #![allow(clippy::needless_range_loop)]
 
 use super::Noise;
-use super::acting::Grid;
 use super::belief::{BASE, Linear, POSITION, ROUNDING, SPEED, Substep};
 use super::filter::{Driven, HUBER, Innovations, MOST_STATES, Path, Prepared, Stored, StoredStep};
+use super::grid::Grid;
 
 impl Prepared {
     /// What each row's whitened innovation would change if, along the path of `base`, the machine were this one: the linear

@@ -8,6 +8,8 @@
 #![allow(clippy::needless_range_loop)]
 
 mod covariance;
+#[cfg(test)]
+mod tests;
 
 use plant::effects::Warming;
 use plant::laws::{Friction, PositionTorque, Ripple, ShaftLaw};
@@ -42,6 +44,7 @@ pub(crate) struct Laws {
     /// Limit of the fluid's viscous torque, N m.
     viscous_limit: f64,
     pub(super) inertia: f64,
+    per_inertia: f64,
     /// Number of states.
     pub(crate) states: usize,
 }
@@ -61,8 +64,8 @@ impl Substep {
     #[inline]
     pub(crate) fn of(acting: &Acting, index: usize, dt_s: f64) -> Self {
         let at = |values: &[f64]| values.get(index).copied().unwrap_or(0.0);
-        let (torque, drive) = (acting.torque[index], acting.drive[index]);
-        Self { dt_s, torque, drive, level: at(&acting.level), viscosity: at(&acting.viscosity) }
+        let (torque, drive) = (acting.drive.torque[index], acting.drive.drive[index]);
+        Self { dt_s, torque, drive, level: at(&acting.fluid.level), viscosity: at(&acting.fluid.viscosity) }
     }
 }
 
@@ -75,10 +78,7 @@ struct Free {
     kept: f64,
     up: f64,
     down: f64,
-    /// Torque of the shaft on the motor, its slope over the twist, whether in contact.
-    shaft: (f64, f64),
-    /// Slope of the position's torque.
-    slope: f64,
+    shaft: Bent,
     /// Coefficient of all that is linear in the speed, and of that what warming weakens.
     viscous: (f64, f64),
     /// Slopes of the bristle's torque over its state and the speed.
@@ -89,10 +89,73 @@ struct Free {
     elastic: f64,
 }
 
+/// Mean torque of the shaft on the motor over a substep, were its speed to stay, and how it changes.
+#[derive(Default)]
+struct Bent {
+    torque: f64,
+    /// Over the twist at the start.
+    per_twist: f64,
+    /// Over the twist's rate at the start.
+    per_rate: f64,
+    /// What the motor's change of speed takes from it: the damper feels the mean of the rates at both ends.
+    per_change: f64,
+}
+
+impl Bent {
+    /// Of a twist and its rate, over a substep, with a twist that spreads by `sd`.
+    fn new(law: &ShaftLaw, twist: f64, rate: f64, dt_s: f64, sd: f64) -> Self {
+        let half_s = 0.5 * dt_s;
+        let bent = soft_threshold(twist + half_s * rate, sd, law.half_gap, law.half_gap);
+        // With this stiffness the step of Verlet turns motor and load against each other at just the shaft's own resonance
+        // (Hochbruck and Lubich, Numer. Math. 83 (1999) 403, the filter sinc^2); beyond two substeps a period, at that.
+        let per_inertia = law.motor_inertia.recip() + law.per_load_inertia;
+        let angle = (half_s * (law.stiffness * per_inertia).sqrt()).min(std::f64::consts::FRAC_PI_2);
+        let sinc = if angle > 1e-4 { angle.sin() / angle } else { 1.0 };
+        let stiffness = law.stiffness * sinc * sinc;
+        let damping = law.damping * bent.slope;
+        let share = (1.0 + half_s * damping * law.per_load_inertia).recip();
+        Self {
+            torque: share * (stiffness * bent.mean + damping * rate),
+            per_twist: share * stiffness * bent.slope,
+            per_rate: share * (stiffness * bent.slope * half_s + damping),
+            per_change: share * 0.5 * damping,
+        }
+    }
+}
+
 impl Free {
     /// What the torques add to the speed.
     fn push(&self, x: &[f64]) -> f64 {
         self.speed - self.kept * x[SPEED]
+    }
+
+    /// Mean speed over the substep, between that at its start and that at its end: of both where the rotor goes on, and where it
+    /// comes to rest or turns of each over its own part.
+    #[inline]
+    fn mean_speed(&self, start: f64, end: f64) -> f64 {
+        let push = self.speed - self.kept * start;
+        let slowed = if start > 0.0 { self.up - push } else { self.down + push };
+        let turns = start.abs() < slowed;
+        if !turns {
+            return 0.5 * (start + end);
+        }
+        let before = start.abs() / slowed;
+        0.5 * (start * before + end * (1.0 - before))
+    }
+}
+
+/// (1 - exp(-x)) / x, the mean of a decay over x time constants; 1 for what does not decay.
+#[inline]
+fn share_of_decay(x: f64) -> f64 {
+    // Up to here the next term of the series is below a double's last digit.
+    const SHORT: f64 = 0.01;
+    if x <= 0.0 {
+        1.0
+    } else if x < SHORT {
+        let terms = [1.0 / 2.0, 1.0 / 6.0, 1.0 / 24.0, 1.0 / 120.0, 1.0 / 720.0, 1.0 / 5040.0];
+        1.0 - x * (terms[0] - x * (terms[1] - x * (terms[2] - x * (terms[3] - x * (terms[4] - x * terms[5])))))
+    } else {
+        -(-x).exp_m1() / x
     }
 }
 
@@ -143,13 +206,15 @@ impl Laws {
             ) => torque_limit,
             _ => f64::INFINITY,
         };
+        let inertia = shaft.map_or(*inertia, |shaft| shaft.motor_inertia);
         Self {
             friction: Friction::new(model),
             position: PositionTorque::new(model),
             ripple: Ripple::new(model),
             friction_warming,
             fluid_warming,
-            inertia: shaft.map_or(*inertia, |shaft| shaft.motor_inertia),
+            inertia,
+            per_inertia: inertia.recip(),
             shaft,
             spring,
             bristle,
@@ -161,7 +226,7 @@ impl Laws {
 
     /// Speed that a torque of one gives in a second, 1/(kg m2).
     pub(crate) fn per_inertia(&self) -> f64 {
-        self.inertia.recip()
+        self.per_inertia
     }
 
     /// Standard deviations of the states at the start of a recording, given those of position and speed and the torque scale;
@@ -202,22 +267,23 @@ impl Laws {
         let drive = step.drive * self.ripple.gain(middle);
         let load = self.friction.of_load(drive);
         let mut torque = step.torque + (drive - step.drive) + self.position.torque(middle);
-        let mut shaft = (0.0, 0.0);
+        let (mut shaft, mut per_inertia) = (Bent::default(), self.per_inertia);
         if let (Some(at), Some(law)) = (self.twist, &self.shaft) {
-            let bent = soft_threshold(x[at] + 0.5 * dt_s * x[at + 1], twist_sd, law.half_gap, law.half_gap);
-            shaft = (law.stiffness * bent.mean + law.damping * bent.slope * x[at + 1], bent.slope);
-            torque += shaft.0;
+            shaft = Bent::new(law, x[at], x[at + 1], dt_s, twist_sd);
+            torque += shaft.torque;
+            // What the damper of the shaft holds against a change of speed acts as more inertia.
+            per_inertia = (self.inertia + dt_s * shaft.per_change).recip();
         }
         let dry = |sign: f64| if self.bristle.is_some() { 0.0 } else { self.friction.coulomb(sign) + load };
-        let half = 0.5 * dt_s / self.inertia;
+        let half = 0.5 * dt_s * per_inertia;
         let held = half * (level + dry(sign) + if self.spring.is_some() { 0.0 } else { fluid_level });
         // What bends over speed is taken at the speed in the middle of the substep.
         let sliding = w + half * (torque - viscous * w);
         let between = if sliding.abs() > held { sliding - held.copysign(sliding) } else { 0.0 };
         viscous += self.friction.quadratic_coefficient() * between.abs();
-        let decay = viscous / self.inertia * dt_s;
-        let kept = if decay > 0.0 { (-decay).exp() } else { 1.0 };
-        let gain = if decay > 1e-9 { (1.0 - kept) / viscous } else { dt_s / self.inertia };
+        let decay = viscous * per_inertia * dt_s;
+        let share = share_of_decay(decay);
+        let (kept, gain) = (1.0 - decay.max(0.0) * share, share * dt_s * per_inertia);
         let excess = self.friction.excess(between);
         // Bristle and spring are taken as bent in the middle of the substep: at its start they would lag by half of it.
         let mut elastic = 0.0;
@@ -250,7 +316,6 @@ impl Laws {
             up: gain * (level + dry(1.0)).max(0.0),
             down: gain * (level + dry(-1.0)).max(0.0),
             shaft,
-            slope: self.position.slope(middle) + step.drive * self.ripple.slope(middle),
             viscous: (viscous, warm),
             elastic,
             bristle,
@@ -288,10 +353,12 @@ impl Laws {
     fn moved<const N: usize>(&self, x: &[f64; N], step: &Substep, free: &Free, speed: f64) -> [f64; N] {
         let dt_s = step.dt_s;
         let mut next = *x;
-        let travel = 0.5 * dt_s * (x[SPEED] + speed);
+        let travel = dt_s * free.mean_speed(x[SPEED], speed);
         (next[POSITION], next[SPEED]) = (x[POSITION] + travel, speed);
         if let (Some(at), Some(law)) = (self.twist, &self.shaft) {
-            next[at + 1] = x[at + 1] - dt_s * law.per_load_inertia * free.shaft.0 - (speed - x[SPEED]);
+            let change = speed - x[SPEED];
+            let torque = free.shaft.torque - free.shaft.per_change * change;
+            next[at + 1] = x[at + 1] - dt_s * law.per_load_inertia * torque - change;
             next[at] = x[at] + 0.5 * dt_s * (x[at + 1] + next[at + 1]);
         }
         if let Some(at) = self.bristle {

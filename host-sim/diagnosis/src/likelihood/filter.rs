@@ -5,8 +5,9 @@
 
 use std::ops::Range;
 
-use super::acting::{Acting, Grid};
+use super::acting::Acting;
 use super::belief::{BASE, Laws, Linear, POSITION, ROUNDING, SPEED, Substep};
+use super::grid::Grid;
 use super::noise::{Noise, Rounding};
 use crate::physics::Physics;
 use crate::recorded::Recorded;
@@ -186,7 +187,7 @@ impl Prepared {
             left_torque: Vec::with_capacity(rows),
             counted: Vec::with_capacity(rows),
         };
-        let start = Start::of(recorded, &range);
+        let start = Start::of(recorded, grid.torque_rms, &range);
         let (mut x, mut p) = self.begin::<N>(&start, range.start == 0, noise);
         let mut lost = Lost::default();
         let settled_s = recorded.t_s[range.start] + start.settling_s;
@@ -220,7 +221,7 @@ impl Prepared {
             for (i, line) in line.iter_mut().enumerate() {
                 *line = p[i][POSITION] * slope + p[i][ROUNDING];
             }
-            let gain = line.map(|covariance| covariance / variance);
+            let gain = line.map(|covariance| covariance * per_sd * per_sd);
             for i in 0..N {
                 x[i] += gain[i] * innovation * pull;
                 for j in 0..N {
@@ -229,7 +230,7 @@ impl Prepared {
             }
             found.speed.push(x[SPEED]);
             let since_s = recorded.t_s[row] - recorded.t_s[row.saturating_sub(1)];
-            let change = gain[SPEED] * innovation * pull / self.laws.per_inertia();
+            let change = gain[SPEED] * innovation * pull * self.laws.inertia;
             found.left_torque.push(if since_s > 0.0 { change / since_s } else { 0.0 });
             if let Some(stored) = keep.as_deref_mut() {
                 let gain = if pull < 0.5 { [0.0; N] } else { gain };
@@ -318,14 +319,12 @@ struct Start {
 const FIRST_ROWS: usize = 6;
 
 impl Start {
-    fn of(recorded: &Recorded, range: &Range<usize>) -> Self {
+    fn of(recorded: &Recorded, torque_rms: f64, range: &Range<usize>) -> Self {
         let first = range.start;
         let rows = range.len().min(FIRST_ROWS);
         let last = first + rows.saturating_sub(1);
         let length_s = (recorded.t_s[last] - recorded.t_s[first]).max(f64::MIN_POSITIVE);
         let travel = recorded.position[last] - recorded.position[first];
-        let squares: f64 = recorded.commands.iter().map(|command| command.torque * command.torque).sum();
-        let torque_rms = (squares / recorded.rows().max(1) as f64).sqrt();
         let speed = if rows > 1 { travel / length_s } else { 0.0 };
         let rough =
             recorded.position[first..first + rows].windows(2).map(|pair| (pair[1] - pair[0]).abs()).fold(0.0, f64::max);

@@ -59,8 +59,7 @@ fn turned(mean: f64, sd: f64, push: f64, up: f64, down: f64) -> Thresholded {
     }
     // T(x) = (x - up)+ - share (up - x)+ - (1 - share) (push - x)+, whose pieces meet at up and push.
     let (high, low) = (below / sd, (push - mean) / sd);
-    let (p_high, f_high) = (probability(high), density(high));
-    let (p_low, f_low) = (probability(low), density(low));
+    let ((p_high, f_high), (p_low, f_low)) = (below_and_at(high), below_and_at(low));
     let under_up = sd * (high * p_high + f_high);
     let under_push = sd * (low * p_low + f_low);
     let over_up = under_up - below;
@@ -93,8 +92,7 @@ pub(crate) fn soft_threshold(mean: f64, sd: f64, up: f64, down: f64) -> Threshol
         return Thresholded { mean: 0.0, slope: 0.0, per_push: 0.0, rest: 0.0 };
     }
     let (above, below) = ((mean - up) / sd, (-mean - down) / sd);
-    let (p_above, f_above) = (probability(above), density(above));
-    let (p_below, f_below) = (probability(below), density(below));
+    let ((p_above, f_above), (p_below, f_below)) = (below_and_at(above), below_and_at(below));
     let first = sd * ((above * p_above + f_above) - (below * p_below + f_below));
     let square = |x: f64, p: f64, f: f64| (x * x + 1.0) * p + x * f;
     let second = sd * sd * (square(above, p_above, f_above) + square(below, p_below, f_below));
@@ -103,8 +101,16 @@ pub(crate) fn soft_threshold(mean: f64, sd: f64, up: f64, down: f64) -> Threshol
     Thresholded { mean: first, slope, per_push: 0.0, rest }
 }
 
-fn probability(x: f64) -> f64 {
-    0.5 * erfc(-x * std::f64::consts::FRAC_1_SQRT_2)
+/// Probability of a standard normal variable to be below x, and its density there.
+#[inline]
+fn below_and_at(x: f64) -> (f64, f64) {
+    if x >= FAR {
+        (1.0, 0.0)
+    } else if x <= -FAR {
+        (0.0, 0.0)
+    } else {
+        (0.5 * erfc(-x * std::f64::consts::FRAC_1_SQRT_2), density(x))
+    }
 }
 
 fn density(x: f64) -> f64 {

@@ -3,13 +3,16 @@
 mod acting;
 mod along;
 mod belief;
+mod commands;
 pub(crate) mod filter;
 mod gaussian;
+mod grid;
 pub(crate) mod inverse;
 mod noise;
 
-pub use acting::{Acting, Grid};
+pub use acting::{Acting, Lately};
 pub(crate) use along::{MissingTorque, Window};
 pub use filter::Innovations;
+pub use grid::Grid;
 pub use noise::Noise;
 pub(crate) use noise::Rounding;

@@ -29,6 +29,9 @@ pub(crate) struct Rounding {
 /// that a rounded one cannot; with a quarter its density is at most twice that of an even distribution over a step.
 const WHITE_SHARE: f64 = 0.25;
 
+/// Behind this many times the travel that forgets, a share of 1e-16 is left.
+const FORGOTTEN: f64 = 37.0;
+
 impl Rounding {
     /// Of a sensor with steps of that size, rad (m); none for a continuous one.
     pub(crate) fn new(step: f64) -> Self {
@@ -47,6 +50,7 @@ impl Rounding {
     /// Share of the kept part that is left behind some travel.
     #[inline]
     pub(crate) fn kept(&self, travel: f64) -> f64 {
-        (-self.per_travel * travel.abs()).exp()
+        let travels = self.per_travel * travel.abs();
+        if travels < FORGOTTEN { (-travels).exp() } else { 0.0 }
     }
 }

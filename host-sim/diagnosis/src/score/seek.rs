@@ -51,7 +51,7 @@ fn of_recording<'a>(problem: &'a Problem, path: &Kept, index: usize, kept: &'a K
     Missing {
         torque: rows(&fine.held),
         if_free: rows(&fine.if_free),
-        drive: mean_over_rows(&kept.acting.drive, grid),
+        drive: mean_over_rows(&kept.acting.drive.drive, grid),
         position: &kept.innovations.position,
         t_s: &problem.recordings[index].t_s,
     }
@@ -104,23 +104,31 @@ fn orders(missing: &[Missing<'_>], excitation: &Excitation, weight: impl Fn(&Mis
     }
     // Whole orders of a revolution; on a linear axis what the travel can tell apart.
     let apart = if excitation.linear { TAU / excitation.travel } else { 1.0 };
-    let list: Vec<f64> = (2..=HIGHEST_ORDER).map(|order| order as f64 * apart).collect();
-    let power: Vec<f64> = list
-        .iter()
-        .map(|order| {
-            let (mut sine, mut cosine) = (0.0, 0.0);
-            for one in missing {
-                for (row, (torque, position)) in one.torque.iter().zip(one.position).enumerate() {
-                    let (s, c) = (order * position).sin_cos();
-                    let torque = torque * weight(one, row);
-                    sine += torque * s;
-                    cosine += torque * c;
-                }
+    let mut phasors = vec![(0.0, 0.0); HIGHEST_ORDER + 1];
+    for one in missing {
+        for (row, (torque, position)) in one.torque.iter().zip(one.position).enumerate() {
+            let torque = torque * weight(one, row);
+            // Each order is the one before turned on by the first.
+            let (s1, c1) = (apart * position).sin_cos();
+            let (mut s, mut c) = (0.0, torque);
+            for (sine, cosine) in &mut phasors {
+                (*sine, *cosine) = (*sine + s, *cosine + c);
+                (s, c) = (s * c1 + c * s1, c * c1 - s * s1);
             }
-            sine * sine + cosine * cosine
-        })
-        .collect();
-    peaks(&power, MOST).into_iter().map(|index| list[index]).collect()
+        }
+    }
+    let list: Vec<f64> = (2..=HIGHEST_ORDER).map(|order| order as f64 * apart).collect();
+    let power: Vec<f64> = phasors[2..].iter().map(|(sine, cosine)| sine * sine + cosine * cosine).collect();
+    // Where the travel hardly tells one order from the next, the likelihood chooses among neighbours.
+    let mut found: Vec<usize> = Vec::new();
+    for peak in peaks(&power, MOST) {
+        for index in [Some(peak), peak.checked_sub(1), Some(peak + 1)].into_iter().flatten() {
+            if index < list.len() && !found.contains(&index) {
+                found.push(index);
+            }
+        }
+    }
+    found.into_iter().map(|index| list[index]).collect()
 }
 
 /// Places of the largest local maxima over the median of their neighbourhood, best first.

@@ -2,7 +2,7 @@
 
 use super::super::gaussian::{Thresholded, dry_friction};
 use super::super::noise::{Noise, Rounding};
-use super::{Free, Laws, POSITION, ROUNDING, SPEED, Substep};
+use super::{BASE, Free, Laws, POSITION, ROUNDING, SPEED, Substep};
 
 impl Laws {
     /// Moves mean and covariance through a substep with torque noise and the rounding's change over the travel; returns what a
@@ -22,9 +22,7 @@ impl Laws {
         let row = self.row(x, step, &free);
         let mut variance = free.gain * free.gain * torque_variance;
         for i in 0..N {
-            for j in 0..N {
-                variance += row[i] * p[i][j] * row[j];
-            }
+            variance += row[i] * dot(&p[i], &row);
         }
         let speed_sd = variance.max(1e-300).sqrt();
         let speed = dry_friction(free.speed, speed_sd, free.push(x), free.up, free.down);
@@ -34,7 +32,7 @@ impl Laws {
         jacobian[ROUNDING][ROUNDING] = kept;
         *x = next;
         x[ROUNDING] *= kept;
-        spread(p, &jacobian);
+        spread(p, &jacobian, 0.5 * step.dt_s);
         self.stir(p, step.dt_s, push[SPEED] * push[SPEED] * torque_variance + speed.rest);
         p[ROUNDING][ROUNDING] += (1.0 - kept * kept) * rounding.variance;
         Linear { jacobian, push, gain: free.gain, speed_sd, twist_sd }
@@ -42,7 +40,7 @@ impl Laws {
 
     /// Widens a covariance over a substep along a linearised path.
     pub(crate) fn widen<const N: usize>(&self, p: &mut [[f64; N]; N], linear: &Linear<N>, dt_s: f64, noise: &Noise) {
-        spread(p, &linear.jacobian);
+        spread(p, &linear.jacobian, 0.5 * dt_s);
         self.stir(p, dt_s, linear.push[SPEED] * linear.push[SPEED] * noise.torque_variance(dt_s));
     }
 
@@ -51,11 +49,12 @@ impl Laws {
     fn row<const N: usize>(&self, x: &[f64; N], step: &Substep, free: &Free) -> [f64; N] {
         let mut row = [0.0; N];
         let half_s = 0.5 * step.dt_s;
-        row[POSITION] = free.gain * free.slope;
-        row[SPEED] = free.kept + free.gain * free.slope * half_s;
-        if let (Some(at), Some(law)) = (self.twist, &self.shaft) {
-            row[at] = free.gain * law.stiffness * free.shaft.1;
-            row[at + 1] = free.gain * free.shaft.1 * (law.stiffness * half_s + law.damping);
+        let middle = x[POSITION] + half_s * x[SPEED];
+        let slope = self.position.slope(middle) + step.drive * self.ripple.slope(middle);
+        row[POSITION] = free.gain * slope;
+        row[SPEED] = free.kept + free.gain * slope * half_s;
+        if let Some(at) = self.twist {
+            (row[at], row[at + 1]) = (free.gain * free.shaft.per_twist, free.gain * free.shaft.per_rate);
         }
         let bristle = self.bristle.map(|at| (at, free.bristle));
         let spring = self.spring.map(|(_, at)| (at, free.spring));
@@ -100,18 +99,20 @@ impl Laws {
         push[SPEED] = (speed.slope + speed.per_push) * free.gain;
         push[POSITION] = half_s * push[SPEED];
         if let (Some(at), Some(law)) = (self.twist, &self.shaft) {
-            let pull = step.dt_s * law.per_load_inertia * free.shaft.1;
+            let per_torque = step.dt_s * law.per_load_inertia;
+            // A change of the motor's speed is one of the rate, less what the damper takes of the shaft's torque.
+            let follows = 1.0 - per_torque * free.shaft.per_change;
             for j in 0..N {
-                f[at + 1][j] -= f[SPEED][j];
+                f[at + 1][j] -= follows * f[SPEED][j];
             }
-            f[at + 1][SPEED] += 1.0;
-            f[at + 1][at] -= pull * law.stiffness;
-            f[at + 1][at + 1] -= pull * (law.stiffness * half_s + law.damping);
+            f[at + 1][SPEED] += follows;
+            f[at + 1][at] -= per_torque * free.shaft.per_twist;
+            f[at + 1][at + 1] -= per_torque * free.shaft.per_rate;
             for j in 0..N {
                 f[at][j] += half_s * f[at + 1][j];
             }
             f[at][at + 1] += half_s;
-            (push[at], push[at + 1]) = (-push[POSITION], -push[SPEED]);
+            (push[at], push[at + 1]) = (-follows * push[POSITION], -follows * push[SPEED]);
         }
         let travel = half_s * (x[SPEED] + speed.mean);
         let mut follows = |at: usize, kept: f64, per_travel: f64| {
@@ -166,27 +167,37 @@ pub(crate) struct Linear<const N: usize> {
     pub(crate) twist_sd: f64,
 }
 
-/// P = F P F'.
 #[inline]
-fn spread<const N: usize>(p: &mut [[f64; N]; N], f: &[[f64; N]; N]) {
-    let mut half = [[0.0; N]; N];
+fn dot<const N: usize>(one: &[f64; N], other: &[f64; N]) -> f64 {
+    let mut sum = 0.0;
     for i in 0..N {
-        for j in 0..N {
-            let mut sum = 0.0;
-            for k in 0..N {
-                sum += f[i][k] * p[k][j];
-            }
-            half[i][j] = sum;
+        sum += one[i] * other[i];
+    }
+    sum
+}
+
+/// P = F P F', for an F whose position follows the mean of the speeds at both ends, half a substep each, and whose rounding keeps to
+/// itself.
+#[inline]
+fn spread<const N: usize>(p: &mut [[f64; N]; N], f: &[[f64; N]; N], half_s: f64) {
+    let mut half = [[0.0; N]; N];
+    // P is symmetric, so its rows are its columns.
+    for j in 0..N {
+        half[SPEED][j] = dot(&f[SPEED], &p[j]);
+        half[POSITION][j] = p[POSITION][j] + half_s * (half[SPEED][j] + p[SPEED][j]);
+        half[ROUNDING][j] = f[ROUNDING][ROUNDING] * p[ROUNDING][j];
+        for i in BASE..N {
+            half[i][j] = dot(&f[i], &p[j]);
         }
     }
     for i in 0..N {
+        let of = &half[i];
+        let speed = dot(of, &f[SPEED]);
+        let position = of[POSITION] + half_s * (speed + of[SPEED]);
+        let base = [position, speed, f[ROUNDING][ROUNDING] * of[ROUNDING]];
         for j in 0..=i {
-            let mut sum = 0.0;
-            for k in 0..N {
-                sum += half[i][k] * f[j][k];
-            }
-            p[i][j] = sum;
-            p[j][i] = sum;
+            let value = if j < BASE { base[j] } else { dot(of, &f[j]) };
+            (p[i][j], p[j][i]) = (value, value);
         }
     }
 }

@@ -13,8 +13,9 @@ mod motion;
 
 use statrs::function::erf::erf;
 
-use super::acting::{Acting, Grid};
+use super::acting::Acting;
 use super::filter::{Driven, Innovations, Prepared, loss};
+use super::grid::Grid;
 use super::noise::Noise;
 use crate::likelihood::along::Window;
 use crate::likelihood::belief::{Laws, Substep};
@@ -41,7 +42,12 @@ fn row_torques(torques: &[f64], grid: &Grid) -> Vec<f64> {
 impl Prepared {
     /// What torque is left along a motion.
     pub(crate) fn residual(&self, motion: &Motion, recorded: &Recorded, grid: &Grid, acting: &Acting) -> Residual {
-        let net = self.net(motion, recorded, &row_torques(&acting.torque, grid), &row_torques(&acting.drive, grid));
+        let net = self.net(
+            motion,
+            recorded,
+            &row_torques(&acting.drive.torque, grid),
+            &row_torques(&acting.drive.drive, grid),
+        );
         let inertia = self.laws.rotor_inertia();
         let rotor: Vec<f64> = recorded.position.iter().map(|seen| self.rotor(*seen)).collect();
         let of = |test: &motion::Test| {
