@@ -126,7 +126,10 @@ fn estimated(finer: &Problem, found: Found) -> Found {
         Step::new(finer, refit(finer, &refitted.hypothesis, &refitted.noise, steps)?)
     };
     match (again(&found.nominal, 1), again(&found.best, STEPS)) {
-        (Some(nominal), Some(best)) => Found { nominal, best, ..found },
+        (Some(nominal), Some(best)) => {
+            let assessed = best.assessed.clone().widened_by_noise(finer).unwrap_or(best.assessed);
+            Found { nominal, best: Step { assessed, ..best }, ..found }
+        }
         _ => found,
     }
 }

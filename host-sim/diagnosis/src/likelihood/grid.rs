@@ -42,9 +42,7 @@ impl Grid {
         let (mut first, mut dt_s, mut at) = (Vec::new(), Vec::new(), 0_u32);
         for pair in recorded.t_s.windows(2) {
             let interval_s = pair[1] - pair[0];
-            // A thousandth less, so that rounding of times makes no substep more.
-            let of = |length_s: f64| (0.999 * interval_s / length_s).ceil() as usize;
-            let count = finer * of(FAST_S).clamp(1, ENOUGH).max(of(LONGEST_S)).min(MOST);
+            let count = finer * substeps_in(interval_s);
             first.push(at);
             dt_s.push(interval_s / count as f64);
             at += count as u32;
@@ -55,8 +53,20 @@ impl Grid {
         Self { first, dt_s, period_s: recorded.period_s(), torque_rms }
     }
 
+    /// Substeps of a search over rows at these times, s.
+    pub fn substeps_over(t_s: &[f64]) -> usize {
+        t_s.windows(2).map(|pair| substeps_in(pair[1] - pair[0])).sum()
+    }
+
     /// Number of substeps.
     pub fn substeps(&self) -> usize {
         self.first.last().map_or(0, |last| *last as usize)
     }
+}
+
+/// Substeps of a search from one row to the next.
+fn substeps_in(interval_s: f64) -> usize {
+    // A thousandth less, so that rounding of times makes no substep more.
+    let of = |length_s: f64| (0.999 * interval_s / length_s).ceil() as usize;
+    of(FAST_S).clamp(1, ENOUGH).max(of(LONGEST_S)).min(MOST)
 }

@@ -1,15 +1,18 @@
-//! Long recordings in stretches: what a diagnosis keeps of each row is ten times what the file has, so the rows are bounded.
+//! Long recordings in stretches: a diagnosis goes a thousand times over what it looks at, so that is bounded.
 
 use std::ops::Range;
 
 use rand::rngs::StdRng;
 use rand::{Rng, SeedableRng};
 
+use diagnosis::likelihood::Grid;
+
 use crate::precheck::windows::median_period_s;
 use crate::read::Recording;
 
-/// Rows of all recordings that a diagnosis looks at: five minutes at 2 kHz.
-const ROWS: usize = 600_000;
+/// Substeps of all recordings that a diagnosis looks at, two minutes at 2 kHz: a thousand passes over them are half of what a
+/// search may cost (`diagnosis::problem`).
+const SUBSTEPS: usize = 240_000;
 /// Length of a stretch, s: all that a motion shows from one standstill to the next.
 const STRETCH_S: f64 = 5.0;
 /// Of the places of the stretches.
@@ -19,14 +22,16 @@ const SEED: u64 = 1;
 /// evenly, each at a random place of its share of the time so that a periodic motion is not always met at the same place.
 /// What is left out is told in `notes`.
 pub(super) fn stretches(files: &[&Recording], notes: &mut Vec<String>) -> Vec<Recording> {
-    let rows: usize = files.iter().map(|file| file.rows()).sum();
-    if rows <= ROWS {
+    let substeps: usize = files.iter().map(|file| Grid::substeps_over(&file.t_s)).sum();
+    if substeps <= SUBSTEPS {
         return files.iter().map(|file| file.driven(std::slice::from_ref(&(0..file.rows())))).collect();
     }
-    let share = ROWS as f64 / rows as f64;
+    let share = SUBSTEPS as f64 / substeps as f64;
+    let rows: usize = files.iter().map(|file| file.rows()).sum();
+    let looked_at = (share * rows as f64) as usize;
     notes.push(format!(
-        "{rows} rows are more than are looked at in one diagnosis ({ROWS}): stretches of {STRETCH_S} s, spread evenly, stand \
-         for the rest; for an event that happened once, cut the recording around it"
+        "{rows} rows are more than are looked at in one diagnosis (about {looked_at} at this sampling): stretches of {STRETCH_S} s, \
+         spread evenly, stand for the rest; for an event that happened once, cut the recording around it"
     ));
     files.iter().map(|file| file.driven(&spread(&file.t_s, share))).collect()
 }
@@ -77,7 +82,7 @@ mod tests {
     }
 
     #[test]
-    fn a_recording_of_five_minutes_is_looked_at_whole_and_a_longer_one_in_stretches() {
+    fn a_short_recording_is_looked_at_whole_and_one_of_minutes_in_stretches() {
         let short = recording();
         let mut notes = Vec::new();
         let whole = stretches(&[&short], &mut notes);
@@ -94,8 +99,8 @@ mod tests {
         long.mode = long.mode.map(|values| values.repeat(100));
         let part = &stretches(&[&long], &mut notes)[0];
         assert!(notes.len() == 1 && notes[0].contains("800000 rows"), "{notes:?}");
-        assert!(part.rows() <= ROWS + 100 && part.rows() > ROWS - 100, "{}", part.rows());
-        assert!(part.gaps.len() == 59 && part.gaps.iter().all(|&gap| part.t_s[gap + 1] - part.t_s[gap] > 5e-4));
+        assert!(part.rows().abs_diff(SUBSTEPS) < 100, "{}", part.rows());
+        assert!(part.gaps.len() == 23 && part.gaps.iter().all(|&gap| part.t_s[gap + 1] - part.t_s[gap] > 5e-4));
         assert!(part.t_s.is_sorted() && part.t_s[0] < 2.0 && part.t_s[part.rows() - 1] > 395.0);
     }
 
