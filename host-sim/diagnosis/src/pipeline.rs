@@ -3,7 +3,7 @@
 use crate::confidence_set::{Comparison, Interval, Step, excluded, intervals};
 use crate::effects::{Effect, VOCABULARY};
 use crate::goodness::{Predictor, predictors};
-use crate::hypothesis::{Entry, Hypothesis, Refitted, refit};
+use crate::hypothesis::{Entry, Hypothesis, Refitted};
 use crate::problem::Problem;
 use crate::search::{Found, LEVEL_OF_A_STEP, Rejected, SMALLEST_GAIN, search};
 use crate::verdict::{Standing, Verdict, verdict};
@@ -93,9 +93,10 @@ pub fn diagnose(problem: &Problem, vocabulary: &[&'static Effect]) -> Option<Con
     // A motion that is given is not integrated.
     let integrated = problem.motions.is_empty() && !found.best.assessed.refitted.hypothesis.entries.is_empty();
     let finer = integrated.then(|| problem.finer());
-    let found = match &finer {
-        Some(finer) => estimated(finer, found),
-        None => found,
+    let estimated = |step: &Step| step.estimated(finer.as_ref()?);
+    let found = match (estimated(&found.nominal), estimated(&found.best)) {
+        (Some(nominal), Some(best)) => Found { nominal, best, ..found },
+        _ => found,
     };
     let left = remainder(finer.as_ref().unwrap_or(problem), &found);
     let (effects, in_the_set) = named(problem, &found);
@@ -113,25 +114,6 @@ pub fn diagnose(problem: &Problem, vocabulary: &[&'static Effect]) -> Option<Con
         cut_short: problem.is_spent(),
         rejected,
     })
-}
-
-/// Refits of the best on the finer grid, from values that a coarser one gave.
-const STEPS: usize = 4;
-
-/// With the values of the best, and what the nominal machine leaves, on a finer grid: what the coarser one of the search makes wrong
-/// is small beside what is missing, and not beside an interval.
-fn estimated(finer: &Problem, found: Found) -> Found {
-    let again = |of: &Step, steps: usize| {
-        let refitted = &of.assessed.refitted;
-        Step::new(finer, refit(finer, &refitted.hypothesis, &refitted.noise, steps)?)
-    };
-    match (again(&found.nominal, 1), again(&found.best, STEPS)) {
-        (Some(nominal), Some(best)) => {
-            let assessed = best.assessed.clone().widened_by_noise(finer).unwrap_or(best.assessed);
-            Found { nominal, best: Step { assessed, ..best }, ..found }
-        }
-        _ => found,
-    }
 }
 
 /// What the recordings do not tell from one entry of the best.

@@ -39,7 +39,8 @@ const ROUNDS: usize = 10;
 /// Fits every contender and compares it with the best, likeliest first; empty where no pass over the recordings is finite.
 pub fn rank(problem: &Problem, contenders: &[Contender]) -> Vec<Ranked> {
     let Some(nominal) = nominal(problem) else { return Vec::new() };
-    let fitted = |contender: &Contender| Some((contender.name, fit(problem, contender, &nominal)?));
+    let finer = problem.finer();
+    let fitted = |contender: &Contender| Some((contender.name, fit(problem, contender, &nominal)?.estimated(&finer)?));
     let mut steps: Vec<(&'static str, Step)> = contenders.par_iter().filter_map(fitted).collect();
     steps.sort_by(|(_, a), (_, b)| b.assessed.total().total_cmp(&a.assessed.total()));
     let Some((_, best)) = steps.first() else { return Vec::new() };

@@ -4,7 +4,7 @@ mod compare;
 mod information;
 mod intervals;
 
-use crate::hypothesis::Refitted;
+use crate::hypothesis::{Refitted, refit};
 use crate::problem::Problem;
 use crate::windows::WindowFit;
 
@@ -12,6 +12,9 @@ pub use compare::{Comparison, LEVEL_OF_THE_SET, compare, excluded};
 pub use information::{Assessed, assess};
 pub(crate) use intervals::TWO_SIDED_95;
 pub use intervals::{Interval, intervals};
+
+/// Steps of a refit on a finer grid, from values that a coarser one gave.
+const STEPS: usize = 4;
 
 /// A hypothesis at its optimum, with what its windows leave.
 #[derive(Debug, Clone)]
@@ -28,6 +31,15 @@ impl Step {
         let refitted = refitted.over_all(problem)?;
         let windows = WindowFit::new(problem, &refitted)?;
         Some(Self { assessed: assess(problem, refitted)?, windows })
+    }
+
+    /// The same on a finer grid, for values and intervals: what the coarser one of a search makes wrong is small beside what is
+    /// missing, and not beside an interval. None where a pass is not finite.
+    pub fn estimated(&self, finer: &Problem) -> Option<Self> {
+        let coarse = &self.assessed.refitted;
+        let step = Self::new(finer, refit(finer, &coarse.hypothesis, &coarse.noise, STEPS)?)?;
+        let assessed = step.assessed.clone().widened_by_noise(finer).unwrap_or(step.assessed);
+        Some(Self { assessed, ..step })
     }
 
     /// Whether all of its effects may be named.
