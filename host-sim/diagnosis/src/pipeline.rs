@@ -93,10 +93,9 @@ pub fn diagnose(problem: &Problem, vocabulary: &[&'static Effect]) -> Option<Con
     // A motion that is given is not integrated.
     let integrated = problem.motions.is_empty() && !found.best.assessed.refitted.hypothesis.entries.is_empty();
     let finer = integrated.then(|| problem.finer());
-    let estimated = |step: &Step| step.estimated(finer.as_ref()?);
-    let found = match (estimated(&found.nominal), estimated(&found.best)) {
-        (Some(nominal), Some(best)) => Found { nominal, best, ..found },
-        _ => found,
+    let found = match &finer {
+        Some(finer) => estimated(finer, found),
+        None => found,
     };
     let left = remainder(finer.as_ref().unwrap_or(problem), &found);
     let (effects, in_the_set) = named(problem, &found);
@@ -114,6 +113,26 @@ pub fn diagnose(problem: &Problem, vocabulary: &[&'static Effect]) -> Option<Con
         cut_short: problem.is_spent(),
         rejected,
     })
+}
+
+/// With the values on a finer grid, without the entries whose intervals there hold what they are without the effect.
+fn estimated(finer: &Problem, mut found: Found) -> Found {
+    let (Some(nominal), Some(best)) = (found.nominal.estimated(finer), found.best.estimated(finer)) else {
+        return found;
+    };
+    (found.nominal, found.best) = (nominal, best);
+    loop {
+        let best = &found.best.assessed;
+        let hypothesis = &best.refitted.hypothesis;
+        let Some(at) = (0..hypothesis.entries.len()).find(|&at| !best.away_from_neutral(finer, at)) else {
+            return found;
+        };
+        let Some(without) = found.best.without(finer, at) else { return found };
+        let rise = best.refitted.log_likelihood - without.assessed.refitted.log_likelihood;
+        found.rejected.push(Rejected { effect: hypothesis.entries[at].effect, rise, certain: false });
+        found.best = without;
+        found.forget(at);
+    }
 }
 
 /// What the recordings do not tell from one entry of the best.

@@ -38,6 +38,20 @@ pub struct Found {
     pub rejected: Vec<Rejected>,
 }
 
+impl Found {
+    /// Forgets what belongs to an entry that is in the best no longer.
+    pub(crate) fn forget(&mut self, entry: usize) {
+        if entry < self.evidence.len() {
+            self.evidence.remove(entry);
+        }
+        self.looked_at -= usize::from(entry < self.looked_at);
+        self.rivals.retain(|rival| rival.place != entry);
+        for rival in self.rivals.iter_mut().filter(|rival| rival.place > entry) {
+            rival.place -= 1;
+        }
+    }
+}
+
 /// What was refitted in the place of an entry of the best.
 #[derive(Debug)]
 pub struct Rival {

@@ -42,6 +42,12 @@ impl Step {
         Some(Self { assessed, ..step })
     }
 
+    /// Without one of its entries, refitted on a finer grid.
+    pub fn without(&self, finer: &Problem, entry: usize) -> Option<Self> {
+        let Refitted { hypothesis, noise, .. } = &self.assessed.refitted;
+        Self::new(finer, refit(finer, &hypothesis.without(entry), noise, STEPS)?)?.estimated(finer)
+    }
+
     /// Whether all of its effects may be named.
     pub fn may_be_named(&self) -> bool {
         self.assessed.refitted.hypothesis.entries.iter().all(|entry| entry.effect.nameable)
