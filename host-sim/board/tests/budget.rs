@@ -232,6 +232,9 @@ fn the_tick_keeps_its_budget_in_every_mode() {
     println!("SAMPLE to the outputs: {least} to {most} ns, at one instruction a cycle");
     // What the loop's delay may vary by, unseen: a fiftieth of the period.
     assert!(most - least <= 10_000, "{least} to {most} ns");
+    // What machine files are written with, and the plant and the diagnosis reckon with.
+    let told_ns = er_servo::SAMPLE_TO_OUTPUT_S * 1e9;
+    assert!((least as f64..=most as f64).contains(&told_ns), "{told_ns} is not within {least} to {most} ns");
     assert_eq!(recording.lost(), 0);
     assert!(worst <= MOST_INSTRUCTIONS, "worst tick {worst} instructions");
 }

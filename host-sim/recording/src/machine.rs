@@ -65,6 +65,9 @@ pub struct PlantNominal {
     pub torque_offset: f64,
     /// Largest acting torque either way, N m or N; none for no limit.
     pub torque_limit: Option<f64>,
+    /// From the sampling of a row's position until its commands are at the drive's outputs, s; the delays of torque and field
+    /// count from there.
+    pub sample_to_output_s: f64,
     /// From command to acting torque, s.
     pub torque_delay_s: f64,
     /// None for a machine without an ER damper.
