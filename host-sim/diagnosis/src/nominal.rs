@@ -17,7 +17,7 @@ impl Physics {
             torque_gain: plant.torque_gain,
             torque_offset: plant.torque_offset,
             torque_limit: plant.torque_limit,
-            torque_delay_s: to_output_s + plant.torque_delay_s,
+            torque_delay_s: plant.torque_delay_from_sample_s(),
             er: plant.er.as_ref().map(|er| Er::new(er.a, er.b, to_output_s + er.dead_time_s, er.lag_s)),
             ..Model::new(plant.inertia)
         });

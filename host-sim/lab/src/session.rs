@@ -163,7 +163,7 @@ impl Session {
     /// [`Error::Usage`].
     pub fn go_on(&self) -> Result<(), Error> {
         if self.interrupt.is_raised() {
-            return Err(Error::Usage("interrupted: the drive is stopped and has its parameters of before".to_owned()));
+            return Err(Error::Usage("interrupted; the drive is stopped".to_owned()));
         }
         Ok(())
     }

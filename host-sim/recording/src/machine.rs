@@ -74,6 +74,14 @@ pub struct PlantNominal {
     pub er: Option<ErNominal>,
 }
 
+impl PlantNominal {
+    /// From the sampling of a row's position until its torque acts, s.
+    #[must_use]
+    pub fn torque_delay_from_sample_s(&self) -> f64 {
+        self.sample_to_output_s + self.torque_delay_s
+    }
+}
+
 /// One `[[effects]]` entry of an improved model: an effect of the vocabulary and its parameters.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EffectEntry {

@@ -94,20 +94,14 @@ fn commissioned(
     let named = lasting(&machine, &answer);
     machine.effects.extend(named.iter().cloned());
     told(Event::Stage("tunes"))?;
-    let task = task(&machine, &applied(before, &identified), wanted);
-    let (tuned, task) = session.computed(move || (tune(&task), task))?;
-    let tuning = tuned?;
-    let machine = crate::tune::machine(&task, &tuning, Some(machine));
+    let (machine, tuning) = tuned(session, machine, &applied(before, &identified), wanted)?;
     let after = machine.controller.unwrap_or(*before);
     session.set_all(&after)?;
     told(Event::Stage("the step again"))?;
     let recorded_after = step(session, AFTER, wanted, told)?;
-    let held = |config: &Config| identified.steady.coulomb_nm.value / f64::from(config.kp_nm_rad);
-    let figures = |recording: &Recording, config: &Config| {
-        let none = || Error::Usage(format!("{}: holds no step", recording.name));
-        Figures::of(recording, held(config)).ok_or_else(none)
-    };
-    let (figures_before, figures_after) = (figures(&recorded_before, before)?, figures(&recorded_after, &after)?);
+    let coulomb_nm = identified.steady.coulomb_nm.value;
+    let figures_before = figures(&recorded_before, before, coulomb_nm)?;
+    let figures_after = figures(&recorded_after, &after, coulomb_nm)?;
     let kept = is_good(&figures_before, &figures_after);
     let saved = kept && wanted.save;
     if saved {
@@ -121,7 +115,7 @@ fn commissioned(
         identified,
         answer,
         named,
-        tuning: summary(&task, &tuning),
+        tuning,
         machine,
         kept,
         saved,
@@ -138,6 +132,11 @@ fn step(session: &mut Session, name: &str, wanted: &Wanted, told: &mut Told) -> 
     let recording = session.experiment(name, Experiment { shape, duration_s: STEP_S }, wanted.plan.max_torque_nm)?;
     told(Event::Recorded(&recording))?;
     Ok(recording)
+}
+
+fn figures(recording: &Recording, config: &Config, coulomb_nm: f64) -> Result<Figures, Error> {
+    let none = || Error::Usage(format!("{}: holds no step", recording.name));
+    Figures::of(recording, coulomb_nm / f64::from(config.kp_nm_rad)).ok_or_else(none)
 }
 
 fn is_good(before: &Figures, after: &Figures) -> bool {
@@ -174,6 +173,14 @@ fn lasting(machine: &Machine, answer: &Answer) -> Vec<EffectEntry> {
         parameters: effect.parameters.iter().map(|parameter| (parameter.id.clone(), parameter.value)).collect(),
     };
     effects.map(entry).collect()
+}
+
+/// The machine with tuned gains, and what the tuning says of them.
+fn tuned(session: &Session, machine: Machine, config: &Config, wanted: &Wanted) -> Result<(Machine, String), Error> {
+    let task = task(&machine, config, wanted);
+    let (tuned, task) = session.computed(move || (tune(&task), task))?;
+    let tuning = tuned?;
+    Ok((crate::tune::machine(&task, &tuning, Some(machine)), summary(&task, &tuning)))
 }
 
 /// As `servo-lab tune` asks by default, with the step that is verified.
