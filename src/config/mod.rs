@@ -12,6 +12,9 @@ pub(crate) const POSITION_RANGE_RAD: f32 = 25_000.0;
 pub(crate) const EQUATION_5: [f32; 3] = [4.010, -9.277, 3.675];
 /// Control period of the image, s: its timer is fixed (board.md).
 pub const IMAGE_PERIOD_S: f32 = 0.0005;
+/// From the falling edge of SAMPLE until torque and field are at the outputs, s: the middle of the 6.8 to 12.1 us that the image
+/// takes on the emulated board (`host-sim/board/tests/budget.rs`), at one instruction a cycle; the path through the law decides.
+pub const SAMPLE_TO_OUTPUT_S: f64 = 9.4e-6;
 
 /// What the law is built from. Names end in the unit; ranges stand in [`crate::parameters::TABLE`].
 #[derive(Debug, Clone, Copy, PartialEq)]

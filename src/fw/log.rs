@@ -1,10 +1,11 @@
-//! What goes to the host over RTT: events a person reads, and while recording one frame a tick.
+//! What goes to the host over RTT: events a person reads, and while recording, in a ring of their own, one frame a tick.
 
 use er_servo::app::InitError;
 use er_servo::drivers::{ad2s1210, dac};
 use er_servo::{Config, FRAME_SCHEMA, Faults, Frame, Limits, Mode, State, Supervisor, parameters};
 
 use super::clock;
+use super::rtt::to_recording;
 use super::safe::Why;
 use super::tick::HardwareError;
 
@@ -48,7 +49,10 @@ impl Log {
 
     /// The drive has come up.
     pub fn booted(&mut self, reset_faults: Faults, before: Option<(u32, Why)>) {
-        defmt::info!("er-servo {=str}, build {=[u8; 8]:02x}", env!("CARGO_PKG_VERSION"), build());
+        let name = || defmt::info!("er-servo {=str}, build {=[u8; 8]:02x}", env!("CARGO_PKG_VERSION"), build());
+        name();
+        // A reset ends a recording.
+        to_recording(name);
         if let Some((ran_ms, why)) = before {
             reset_note(ran_ms, why);
         }
@@ -68,22 +72,24 @@ impl Log {
         for (parameter, place) in parameters::TABLE.iter().zip(values.as_chunks_mut::<4>().0) {
             *place = (parameter.get)(config).to_le_bytes();
         }
-        defmt::println!(
-            "recording run {=u32} schema {=u8} build {=[u8; 8]} tick {=u32} state {=[u8]} parameters {=[u8]}",
-            run,
-            FRAME_SCHEMA,
-            build(),
-            seq,
-            state.encode(),
-            values
-        );
+        to_recording(|| {
+            defmt::println!(
+                "recording run {=u32} schema {=u8} build {=[u8; 8]} tick {=u32} state {=[u8]} parameters {=[u8]}",
+                run,
+                FRAME_SCHEMA,
+                build(),
+                seq,
+                state.encode(),
+                values
+            );
+        });
         self.recording = Some(seq);
     }
 
     /// Ends the recording.
     pub fn stop_recording(&mut self) {
         if self.recording.take().is_some() {
-            defmt::println!("recording ended");
+            to_recording(|| defmt::println!("recording ended"));
         }
     }
 
@@ -91,7 +97,7 @@ impl Log {
     pub fn frame(&mut self, frame: &Frame) {
         // Frames that were queued before the snapshot was taken are not part of the recording.
         if self.recording.is_some_and(|first| frame.seq.wrapping_sub(first) < u32::MAX / 2) {
-            defmt::println!("frame {=[u8; 48]}", frame.encode());
+            to_recording(|| defmt::println!("frame {=[u8; 48]}", frame.encode()));
         }
         self.events(frame);
     }

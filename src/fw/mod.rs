@@ -12,13 +12,13 @@ mod clock;
 mod link;
 mod log;
 mod pin;
+mod rtt;
 mod safe;
 mod spi;
 mod storage;
 mod tick;
 
 use cortex_m_rt::entry;
-use defmt_rtt as _;
 
 use board::Board;
 use er_servo::link::Server;

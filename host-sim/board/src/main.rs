@@ -26,7 +26,7 @@ struct Arguments {
     /// How long the step lasts, s; between 0.01 and 100.
     #[arg(long, default_value_t = 1.0)]
     seconds: f32,
-    /// Where the bytes of the RTT channel go, for `servo-lab decode`.
+    /// Where the bytes of the recording go, for `servo-lab decode`.
     #[arg(long)]
     rtt: Option<PathBuf>,
 }
@@ -52,7 +52,7 @@ fn run(arguments: &Arguments) -> Result<(), Error> {
     let image = Image::parse(&std::fs::read(&arguments.elf)?)?;
     let end_ns = READY_NS + 100_000_000 + (f64::from(arguments.seconds) * 1e9) as u64;
     let mut world = World::new(Rotor::paper(0.0)?, VirtualNanos(end_ns));
-    world.probe = Some(Probe { block: firmware.address("_SEGGER_RTT")?, bytes: Vec::new() });
+    world.probe = Some(Probe::of(&firmware)?);
     world.drive_at(VirtualNanos(0), INTERLOCK, true);
     world.drive_at(VirtualNanos(0), STOP_RELEASED, true);
     world.drive_at(VirtualNanos(0), AMPLIFIER_READY, true);
@@ -72,14 +72,14 @@ fn run(arguments: &Arguments) -> Result<(), Error> {
     let finished = firmware.run(world)?;
     let (took_s, ran_s) = (start.elapsed().as_secs_f64(), end_ns as f64 * 1e-9);
     println!("{ran_s:.2} s in {took_s:.2} s, {:.1} times real time", ran_s / took_s);
-    let log = finished.driver.probe.map(|probe| probe.bytes).unwrap_or_default();
-    let entries = image.decode(&log)?;
-    for entry in &entries {
+    let (events, frames) =
+        finished.driver.probe.map(|probe| (probe.events.bytes, probe.frames.bytes)).unwrap_or_default();
+    for entry in &image.decode(&events)? {
         if let Entry::Event(text) = entry {
             println!("  {text}");
         }
     }
-    for recording in recordings(&entries) {
+    for recording in recordings(&image.decode(&frames)?) {
         let cycles = recording.frames.iter().map(|frame| frame.timing.cycles).max().unwrap_or_default();
         println!(
             "recording {}: {} frames, {} lost; most instructions in a tick {cycles}",
@@ -90,8 +90,8 @@ fn run(arguments: &Arguments) -> Result<(), Error> {
     }
     println!("angle {:.5} rad, reference {:.5} rad", finished.driver.rotor.angle_rad(), arguments.step_rad);
     if let Some(path) = &arguments.rtt {
-        std::fs::write(path, &log).map_err(|error| format!("{}: {error}", path.display()))?;
-        println!("{} bytes of the log in {}", log.len(), path.display());
+        std::fs::write(path, &frames).map_err(|error| format!("{}: {error}", path.display()))?;
+        println!("{} bytes of the recording in {}", frames.len(), path.display());
     }
     Ok(())
 }

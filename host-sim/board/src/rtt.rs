@@ -1,26 +1,55 @@
-//! A probe on the image's RTT channel: reads what the log has written, and moves the read offset, or leaves it.
+//! A probe on the image's RTT rings: reads what the image has written, and moves the read offsets, or leaves them.
 
 use rigless::emulator::Memory;
 use rigless::soc::Width;
 
-/// Offsets of up-channel 0 in the control block: two ints after the 16-byte name, then name, buffer, size, write, read.
+use crate::bench::{Error, Firmware};
+
+/// Offsets of up-channel 0 in a control block: two ints after the 16-byte name, then name, buffer, size, write, read.
 const BUFFER: u64 = 24 + 4;
 const SIZE: u64 = 24 + 8;
 const WRITE: u64 = 24 + 12;
 const READ: u64 = 24 + 16;
 
 /// The probe.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct Probe {
-    /// Address of `_SEGGER_RTT`, from the ELF file.
-    pub block: u64,
+    /// What people read.
+    pub events: Ring,
+    /// Recordings.
+    pub frames: Ring,
+}
+
+/// One ring.
+#[derive(Debug)]
+pub struct Ring {
+    /// Address of the control block.
+    block: u64,
     /// Everything read so far.
     pub bytes: Vec<u8>,
 }
 
 impl Probe {
-    /// Takes what is there. Quietly nothing before the image has set its control block up.
+    /// Finds the rings of an image.
+    ///
+    /// # Errors
+    ///
+    /// An ELF file that is none of this image.
+    pub fn of(firmware: &Firmware) -> Result<Self, Error> {
+        let ring = |symbol| Ok::<_, Error>(Ring { block: firmware.address(symbol)?, bytes: Vec::new() });
+        Ok(Self { events: ring("_SEGGER_RTT")?, frames: ring("ER_SERVO_FRAMES")? })
+    }
+
+    /// Takes what is there.
     pub fn drain(&mut self, memory: &mut dyn Memory) {
+        self.events.drain(memory);
+        self.frames.drain(memory);
+    }
+}
+
+impl Ring {
+    /// Takes what is there. Quietly nothing before the image has set its control block up.
+    fn drain(&mut self, memory: &mut dyn Memory) {
         let word = |memory: &mut dyn Memory, at: u64| memory.read(self.block + at, Width::W32).ok();
         let (Some(buffer), Some(size), Some(write), Some(mut read)) =
             (word(memory, BUFFER), word(memory, SIZE), word(memory, WRITE), word(memory, READ))

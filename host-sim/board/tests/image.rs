@@ -8,7 +8,7 @@ use std::f64::consts::TAU;
 
 use board::flash::{Array, Shared};
 use board::world::INTERLOCK;
-use common::{ENABLE, events, firmware, log, ms, run_alone, world};
+use common::{ENABLE, events, firmware, log, ms, recorded, run_alone, world};
 use er_servo::drivers::scaling::{FieldCode, TorqueCode};
 use er_servo::events::Event;
 use er_servo::experiment::{Experiment, Shape};
@@ -63,8 +63,7 @@ fn a_step_response_of_two_seconds_is_that_of_the_host_to_the_bit() {
     let run = firmware.run(world).unwrap();
     assert!(run.driver.link.replies.iter().all(|(_, reply)| !matches!(reply.answer, Answer::Refused(_))));
 
-    let log = log(&run);
-    let recordings = recordings(&log);
+    let recordings = recorded(&run);
     let [recording] = recordings.as_slice() else { panic!("{} recordings", recordings.len()) };
     assert_eq!((recording.begin.run, recording.lost(), recording.damaged), (42, 0, 0));
     assert!(recording.frames.len() > 4300, "{} frames", recording.frames.len());
@@ -88,6 +87,9 @@ fn a_step_response_of_two_seconds_is_that_of_the_host_to_the_bit() {
     }
     // Counted across pole pairs, from the one that the image began in.
     assert!(turns.len() == 1 && turns.iter().all(|offset| offset % 4096 == 0), "{turns:?}");
+    // Frames are in a ring of their own: people's log has none.
+    assert!(log(&run).iter().all(|entry| matches!(entry, Entry::Event(_))));
+    assert!(events(&log(&run)).iter().any(|event| event.contains("damper, ")), "the mode is told");
     // The machine has moved by 30 degrees and stands within what friction holds.
     assert!(
         (run.driver.rotor.angle_rad() - 0.0123 - std::f64::consts::FRAC_PI_6).abs() < 0.01,
@@ -203,9 +205,7 @@ fn every_shape_and_mode_is_that_of_the_host_to_the_bit_under_three_sets_of_param
         let run = firmware.run(world).unwrap();
         assert!(run.driver.link.replies.iter().all(|(_, reply)| !matches!(reply.answer, Answer::Refused(_))));
 
-        let log = log(&run);
-        let recordings = recordings(&log);
-        let recording = &recordings[0];
+        let recording = &recorded(&run)[0];
         let mut expected = Config::default();
         for (name, value) in set {
             (TABLE.iter().find(|parameter| parameter.name == *name).unwrap().set)(&mut expected, *value);

@@ -91,6 +91,7 @@ fn neutral(axis: &Axis) -> Machine {
         torque_gain: 1.0,
         torque_offset: 0.0,
         torque_limit: None,
+        sample_to_output_s: 0.0,
         torque_delay_s: 0.0,
         er: None,
     };

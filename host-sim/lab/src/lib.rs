@@ -5,10 +5,12 @@
 #![forbid(unsafe_code)]
 
 pub mod cli;
+pub mod commission;
 pub mod conclude;
 pub mod delays;
 pub mod first_model;
 pub mod guide;
+pub mod identify;
 pub mod interrupt;
 pub mod line;
 pub mod output;
@@ -19,6 +21,7 @@ pub mod prove;
 pub mod record;
 pub mod report;
 pub mod residual;
+pub mod session;
 
 // Stages that are crates of their own, under the names they have here.
 use analysis::{beyond, paper, plot, simulate, stability, tune};

@@ -31,6 +31,19 @@ fn flags_reach_the_loop() {
 }
 
 #[test]
+fn delays_of_a_machine_file_count_from_its_outputs() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("m.toml");
+    let machine = "schema = 1\nname = \"drive\"\n[axis]\nkind = \"rotary\"\nsample_period_s = 5e-4\nresolution = 1e-5\n\
+                   [plant]\ninertia = 0.075\nsample_to_output_s = 1e-4\ntorque_delay_s = 0.005\n\
+                   [plant.er]\na = 0.07\nb = 0.47\ndead_time_s = 0.002\n";
+    std::fs::write(&file, machine).unwrap();
+    let output = stability(&["--machine", file.to_str().unwrap()]);
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(text.contains("L 5.100 ms") && text.lines().next().unwrap().contains("2.1"), "{text}");
+}
+
+#[test]
 fn the_figure_and_the_file_are_written_whole() {
     let folder = tempfile::tempdir().unwrap();
     let (figure, json) = (folder.path().join("fig9.svg"), folder.path().join("answer.json"));

@@ -65,10 +65,21 @@ pub struct PlantNominal {
     pub torque_offset: f64,
     /// Largest acting torque either way, N m or N; none for no limit.
     pub torque_limit: Option<f64>,
+    /// From the sampling of a row's position until its commands are at the drive's outputs, s; the delays of torque and field
+    /// count from there.
+    pub sample_to_output_s: f64,
     /// From command to acting torque, s.
     pub torque_delay_s: f64,
     /// None for a machine without an ER damper.
     pub er: Option<ErNominal>,
+}
+
+impl PlantNominal {
+    /// From the sampling of a row's position until its torque acts, s.
+    #[must_use]
+    pub fn torque_delay_from_sample_s(&self) -> f64 {
+        self.sample_to_output_s + self.torque_delay_s
+    }
 }
 
 /// One `[[effects]]` entry of an improved model: an effect of the vocabulary and its parameters.

@@ -81,6 +81,7 @@ fn plant(section: &Section<'_, '_>) -> Result<PlantNominal, Error> {
         "torque_gain",
         "torque_offset",
         "torque_limit",
+        "sample_to_output_s",
         "torque_delay_s",
         "er",
     ])?;
@@ -92,6 +93,7 @@ fn plant(section: &Section<'_, '_>) -> Result<PlantNominal, Error> {
         torque_gain: or("torque_gain", Allowed::AboveZero, 1.0)?,
         torque_offset: or("torque_offset", Allowed::Finite, 0.0)?,
         torque_limit: section.number("torque_limit", Allowed::AboveZero)?,
+        sample_to_output_s: or("sample_to_output_s", DELAY, 0.0)?,
         torque_delay_s: or("torque_delay_s", DELAY, 0.0)?,
         er: section.section("er")?.map(|section| er(&section)).transpose()?,
     })

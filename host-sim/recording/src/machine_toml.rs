@@ -38,6 +38,9 @@ impl Serialize for FileForm<'_> {
             ("torque_offset", plant.torque_offset),
             ("torque_delay_s", plant.torque_delay_s),
         ];
+        if plant.sample_to_output_s > 0.0 {
+            plant_keys.push(("sample_to_output_s", plant.sample_to_output_s));
+        }
         plant_keys.extend(plant.torque_limit.map(|limit| ("torque_limit", limit)));
         let er = plant
             .er

@@ -20,6 +20,7 @@ const PATHS: &[&str] = &[
     "plant.torque_gain",
     "plant.torque_offset",
     "plant.torque_limit",
+    "plant.sample_to_output_s",
     "plant.torque_delay_s",
     "plant.er",
     "plant.er.a",

@@ -48,6 +48,10 @@ fn the_example_of_the_specification_is_read() {
     let er = machine.plant.er.unwrap();
     assert_eq!((er.a, er.b, er.dead_time_s, er.lag_s), (0.0704, 0.470, 0.002, 0.003));
     assert!(machine.controller.is_none() && machine.effects.is_empty());
+    assert_eq!(machine.plant.sample_to_output_s, 0.0);
+    let told = parse(&MACHINE.replace("torque_limit = 30", "sample_to_output_s = 9.4e-6")).unwrap();
+    assert_eq!(told.plant.sample_to_output_s, 9.4e-6);
+    assert!(told.to_toml().unwrap().contains("sample_to_output_s = 0.0000094"));
     assert!(parse(&format!("\u{feff}{}", MACHINE.replace('\n', "\r\n"))).is_ok(), "as written on Windows");
 }
 

@@ -130,19 +130,21 @@ fn effects(axis: AxisKind) -> impl Strategy<Value = Vec<EffectEntry>> {
 fn machine() -> impl Strategy<Value = Machine> {
     let plant = (
         (1e-9..1e9, allowed(Allowed::AtLeastZero), allowed(Allowed::AtLeastZero), 1e-3..1e3),
-        (of_a_machine(), proptest::option::of(1e-9..1e9), 0.0..=1.0),
+        (of_a_machine(), proptest::option::of(1e-9..1e9), 0.0..=1.0, 0.0..=1.0),
         proptest::option::of((0.0..9.0, 0.0..9.0, 0.0..=1.0, 0.0..=1.0)),
     );
-    let plant = plant.prop_map(|((inertia, coulomb, viscous, gain), (offset, limit, delay), er)| PlantNominal {
-        inertia,
-        coulomb,
-        viscous,
-        torque_gain: gain,
-        torque_offset: offset,
-        torque_limit: limit,
-        torque_delay_s: delay,
-        er: er.map(|(a, b, dead_time_s, lag_s)| ErNominal { a, b, dead_time_s, lag_s }),
-    });
+    let plant =
+        plant.prop_map(|((inertia, coulomb, viscous, gain), (offset, limit, to_output, delay), er)| PlantNominal {
+            inertia,
+            coulomb,
+            viscous,
+            torque_gain: gain,
+            torque_offset: offset,
+            torque_limit: limit,
+            sample_to_output_s: to_output,
+            torque_delay_s: delay,
+            er: er.map(|(a, b, dead_time_s, lag_s)| ErNominal { a, b, dead_time_s, lag_s }),
+        });
     let axis = (axis_kind(), 1e-9..=1.0, 0.0..1.0).prop_map(|(kind, sample_period_s, resolution)| Axis {
         kind,
         sample_period_s,

@@ -1,4 +1,5 @@
-//! The image's log: defmt frames over RTT, with their strings in the ELF file of the very same image.
+//! What the image writes over RTT, events in one ring and recordings in another: messages of defmt, with their strings in the ELF
+//! file of the very same image.
 
 use defmt_decoder::{DecodeError, Encoding, StreamDecoder, Table};
 use er_servo::parameters::TABLE;
@@ -179,15 +180,17 @@ impl Image {
         Stream { decoder, build: self.build, messages: 0, malformed: 0, unfinished: 0 }
     }
 
-    /// Address of the RTT control block on the MCU, for a probe.
+    /// Address of the control block of the recordings on the MCU, for a probe.
     ///
     /// # Errors
     ///
     /// [`Error::Elf`].
-    pub fn rtt_address(elf: &[u8]) -> Result<u64, Error> {
+    pub fn frames_address(elf: &[u8]) -> Result<u64, Error> {
         let file = object::File::parse(elf).map_err(|error| Error::Elf(error.to_string()))?;
-        let block = file.symbols().find(|symbol| symbol.name() == Ok("_SEGGER_RTT"));
-        block.map(|symbol| symbol.address()).ok_or_else(|| Error::Elf("it has no RTT control block".to_owned()))
+        let block = file.symbols().find(|symbol| symbol.name() == Ok("ER_SERVO_FRAMES"));
+        block
+            .map(|symbol| symbol.address())
+            .ok_or_else(|| Error::Elf("it has no control block of recordings, ER_SERVO_FRAMES".to_owned()))
     }
 }
 

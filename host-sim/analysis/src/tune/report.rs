@@ -183,7 +183,7 @@ fn half_size(points: &[Point]) -> Point {
 #[must_use]
 pub fn machine(task: &Task, tuning: &Tuning, read: Option<Machine>) -> Machine {
     let controller = Some(config_for(&task.config, tuning.best.gains, &task.model, task.uncertainty));
-    let plant = nominal(&task.model);
+    let plant = nominal(&task.model, read.as_ref().map_or(0.0, |machine| machine.plant.sample_to_output_s));
     match read {
         Some(machine) => Machine { plant, controller, ..machine },
         None => Machine {
@@ -203,7 +203,9 @@ pub fn machine(task: &Task, tuning: &Tuning, read: Option<Machine>) -> Machine {
     }
 }
 
-fn nominal(model: &Model) -> PlantNominal {
+/// The delays of a model count from the sample, those of a machine file from the outputs.
+fn nominal(model: &Model, sample_to_output_s: f64) -> PlantNominal {
+    let from_output_s = |delay_s: f64| (delay_s - sample_to_output_s).max(0.0);
     PlantNominal {
         inertia: model.inertia,
         coulomb: model.coulomb,
@@ -211,14 +213,15 @@ fn nominal(model: &Model) -> PlantNominal {
         torque_gain: model.torque_gain,
         torque_offset: model.torque_offset,
         torque_limit: model.torque_limit,
-        torque_delay_s: model.torque_delay_s,
+        sample_to_output_s,
+        torque_delay_s: from_output_s(model.torque_delay_s),
         er: model.er.as_ref().map(|er| {
             let (dead_time_s, lag_s) = match er.response {
                 FluidResponse::Field(field) => (field.dead_time_s, field.rise_s),
                 FluidResponse::ViscosityDeadTime { dead_time_s, .. } => (dead_time_s, 0.0),
                 FluidResponse::ViscosityLag { lag_s, .. } => (0.0, lag_s),
             };
-            ErNominal { a: er.a, b: er.b, dead_time_s, lag_s }
+            ErNominal { a: er.a, b: er.b, dead_time_s: from_output_s(dead_time_s), lag_s }
         }),
     }
 }

@@ -14,7 +14,7 @@ use er_servo::experiment::{Experiment, Shape};
 use er_servo::link::Command;
 use rigless::emulator::Finished;
 use rigless::time::VirtualNanos;
-use wire::log::{Entry, Image};
+use wire::log::{Entry, Image, Recording, recordings};
 
 pub type Run = Finished<ServoBoard, World>;
 
@@ -46,16 +46,25 @@ pub fn run_alone(shape: Shape, duration_s: f32) -> Command {
 /// Interlock closed, stop released, amplifier ready, a probe that reads the log; ends after so many milliseconds.
 pub fn world(firmware: &Firmware, end_ms: f64) -> World {
     let mut world = World::new(Rotor::paper(0.0123).unwrap(), ms(end_ms));
-    world.probe = Some(Probe { block: firmware.address("_SEGGER_RTT").unwrap(), bytes: Vec::new() });
+    world.probe = Some(Probe::of(firmware).unwrap());
     world.drive_at(ms(0.0), INTERLOCK, true);
     world.drive_at(ms(0.0), STOP_RELEASED, true);
     world.drive_at(ms(0.0), AMPLIFIER_READY, true);
     world
 }
 
+/// What people read.
 pub fn log(run: &Run) -> Vec<Entry> {
-    let image = Image::parse(&std::fs::read(elf()).unwrap()).unwrap();
-    image.decode(&run.driver.probe.as_ref().unwrap().bytes).unwrap()
+    decoded(&run.driver.probe.as_ref().unwrap().events.bytes)
+}
+
+/// What was recorded over RTT.
+pub fn recorded(run: &Run) -> Vec<Recording> {
+    recordings(&decoded(&run.driver.probe.as_ref().unwrap().frames.bytes))
+}
+
+fn decoded(bytes: &[u8]) -> Vec<Entry> {
+    Image::parse(&std::fs::read(elf()).unwrap()).unwrap().decode(bytes).unwrap()
 }
 
 pub fn events(log: &[Entry]) -> Vec<String> {

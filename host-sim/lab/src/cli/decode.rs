@@ -15,7 +15,7 @@ pub struct Args {
     /// ELF file of the image that wrote the log.
     #[arg(long, value_name = "IMAGE")]
     elf: PathBuf,
-    /// Bytes of the image's RTT channel 0.
+    /// Bytes of the recordings' RTT ring.
     #[arg(value_name = "RTT")]
     log: PathBuf,
     /// Which run, where the log holds several.

@@ -39,7 +39,11 @@ Example:
 pub(super) const LINK: &str = "\
 Example:
   servo-lab link --port /dev/ttyUSB0 enable
-  servo-lab link --port /dev/ttyUSB0 run chirp --amplitude-deg 5 --to-hz 8 --duration-s 20 --enable --record run.csv";
+  servo-lab link --port /dev/ttyUSB0 run chirp --amplitude-deg 5 --to-hz 8 --duration-s 20 --enable --record run.csv
+  servo-lab link --port /dev/ttyUSB0 identify --travel-deg 45 --max-torque-nm 15 --out out/identify";
+pub(super) const COMMISSION: &str = "\
+Example:
+  servo-lab commission --port /dev/ttyUSB0 --travel-deg 45 --max-torque-nm 15 --out out/drive --save";
 pub(super) const PROVE: &str = "\
 Example:
   servo-lab prove --quick --out out/prove";

@@ -2,6 +2,7 @@
 
 mod drive;
 mod experiment;
+pub(super) mod identify;
 mod status;
 
 use std::path::PathBuf;
@@ -38,7 +39,7 @@ struct Place {
 }
 
 #[derive(Debug, clap::Args)]
-struct LineArgs {
+pub(super) struct LineArgs {
     #[command(flatten)]
     place: Place,
     /// Baud rate of the serial port, 8N1.
@@ -47,7 +48,7 @@ struct LineArgs {
 }
 
 impl LineArgs {
-    fn line(&self) -> Line {
+    pub(super) fn line(&self) -> Line {
         match (&self.place.port, &self.place.tcp) {
             (Some(port), _) => Line::Serial { port: port.clone(), baud: self.baud },
             (None, address) => Line::Tcp(address.clone().unwrap_or_default()),
@@ -98,6 +99,8 @@ enum Action {
     Hold(Stay),
     /// Run an experiment of the image from where the reference is.
     Run(Run),
+    /// Find the machine by experiments: friction, law and times of the fluid, inertia, delays; the axis moves.
+    Identify(identify::Args),
     /// Print parameters of the law, as `[controller]` of a machine file has them; without names, all.
     Get {
         /// Names.
@@ -215,6 +218,9 @@ pub fn run(args: &Args) -> Result<(), Error> {
     args.action.check()?;
     let record = args.action.record()?;
     let line = args.line.line();
+    if let Action::Identify(args) = &args.action {
+        return identify::run(args, line);
+    }
     let mut drive = Drive { connection: line.connect()?, line };
     let outcome = match (&args.action, record) {
         (Action::Run(run), Some(out)) => drive.run_recorded(run, out),
@@ -245,6 +251,8 @@ impl Drive {
                 drive.tell(Command::Hold { autonomous: stay.autonomous }).and_then(|()| drive.stay(stay))
             }
             Action::Run(run) => drive.run(run),
+            // Has a session of its own.
+            Action::Identify(_) => Ok(()),
             Action::Get { names } => drive.get(names),
             Action::Set { values, force } => drive.set(values, *force),
             Action::Defaults => drive.tell(Command::Defaults).and_then(|()| drive.tell(APPLY)),

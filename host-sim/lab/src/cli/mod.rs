@@ -1,5 +1,6 @@
 //! One file for each command: its flags and what it does with them.
 
+mod commission;
 mod compare;
 mod convert;
 mod decode;
@@ -33,8 +34,8 @@ Exit codes:
   1  diagnose: the verdict is one that --fail-on lists
   2  an input that cannot be read, flags that cannot be followed, an output that cannot be written; the files
      that were there are untouched
-  3  link: the drive refused
-  4  link, record: no connection, or no answer";
+  3  link, record, commission: the drive refused
+  4  link, record, commission: no connection, or no answer";
 
 /// Simulate, replay, compare and diagnose recordings of the servo.
 #[derive(Debug, clap::Parser)]
@@ -73,6 +74,9 @@ enum Command {
     /// Command a drive over its serial link: state, parameters, reference, experiments, recordings.
     #[command(after_help = format!("{}\n\n{EXIT_CODES}", examples::LINK))]
     Link(link::Args),
+    /// Commission a drive: a step, the machine by experiments, what its model leaves out, gains, the step again; the axis moves.
+    #[command(after_help = format!("{}\n\n{EXIT_CODES}", examples::COMMISSION))]
+    Commission(commission::Args),
     /// Find what the model leaves out of the recordings, with its parameters, or say that they cannot tell.
     #[command(after_help = format!("{}\n\n{EXIT_CODES}", examples::DIAGNOSE))]
     Diagnose(diagnose::Args),
@@ -152,6 +156,7 @@ impl Cli {
             Command::Decode(args) => decode::run(args),
             Command::Record(args) => record::run(args),
             Command::Link(args) => link::run(args),
+            Command::Commission(args) => commission::run(args),
             Command::Prove(args) => prove::run(args),
             Command::Stability(args) => stability::run(args),
             Command::Paper(args) => paper::run(args),

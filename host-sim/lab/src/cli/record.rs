@@ -41,15 +41,16 @@ struct From {
     /// Serial port of the drive's command link.
     #[arg(long, value_name = "PORT")]
     port: Option<String>,
-    /// With --elf an RTT server that passes on channel 0 (OpenOCD `rtt server start`, J-Link, a bridge); without, a tunnel on this
-    /// machine to the drive's command link.
+    /// With --elf an RTT server that passes on recordings (OpenOCD: `rtt setup ADDRESS 24 "ER-SERVO FRAMES"`, ADDRESS that of the
+    /// symbol ER_SERVO_FRAMES in the ELF file, then `rtt start`, `rtt server start PORT 0`); without, a tunnel on this machine to
+    /// the drive's command link.
     #[arg(long, value_name = "HOST:PORT")]
     tcp: Option<String>,
     /// The first debug probe that is connected; it reads memory and never halts the core.
     #[cfg(feature = "probe")]
     #[arg(long, requires = "elf")]
     probe: bool,
-    /// File or pipe with the bytes of RTT channel 0; - is standard input.
+    /// File or pipe with the bytes of the recordings' RTT ring; - is standard input.
     #[arg(value_name = "RTT", requires = "elf")]
     log: Option<PathBuf>,
 }
@@ -77,9 +78,9 @@ impl Args {
         if !self.from.probe {
             return Ok(self.stream());
         }
-        let address = Image::rtt_address(elf);
-        let rtt_address = address.map_err(|error| Error::input(file, None, "", error.to_string()))?;
-        Ok(Origin::Probe { rtt_address })
+        let address = Image::frames_address(elf);
+        let address = address.map_err(|error| Error::input(file, None, "", error.to_string()))?;
+        Ok(Origin::Probe { address })
     }
 
     #[cfg(not(feature = "probe"))]

@@ -105,7 +105,8 @@ fn case(args: &StabilityArgs) -> Result<(Loop, Setting), Error> {
     let nominal = machine.as_ref().map(|machine| &machine.plant);
     let controller = machine.as_ref().and_then(|machine| machine.controller);
     let seconds = |ms: f64| ms * 1e-3;
-    let torque_delay_s = args.delay_ms.map_or_else(|| nominal.map_or(DELAY_S, |p| p.torque_delay_s), seconds);
+    let torque_delay_s =
+        args.delay_ms.map_or_else(|| nominal.map_or(DELAY_S, Nominal::torque_delay_from_sample_s), seconds);
     let inertia_kg_m2 = args.inertia.unwrap_or_else(|| nominal.map_or(INERTIA_KG_M2, |p| p.inertia));
     let (model, fluid_s) = nominal.map_or((Model::DeadTime, FLUID_DELAY_S), fluid_of);
     let field_delay_s = args.field_delay_ms.map_or(fluid_s, seconds);
@@ -127,7 +128,7 @@ fn fluid_of(plant: &Nominal) -> (Model, f64) {
     match &plant.er {
         Some(er) if er.dead_time_s + er.lag_s > 0.0 => {
             let model = if er.lag_s > er.dead_time_s { Model::Lag } else { Model::DeadTime };
-            (model, er.dead_time_s + er.lag_s)
+            (model, plant.sample_to_output_s + er.dead_time_s + er.lag_s)
         }
         _ => (Model::None, FLUID_DELAY_S),
     }

@@ -41,7 +41,7 @@ impl Loop {
         let plant = &machine.plant;
         let period_s = machine.axis.sample_period_s.max(FASTEST_S);
         // The gains of control.md section 4, for the delay with that of the samples.
-        let delay_s = (plant.torque_delay_s + period_s).max(4.0 * period_s);
+        let delay_s = (plant.torque_delay_from_sample_s() + period_s).max(4.0 * period_s);
         Self::Pd {
             stiffness: 0.08 * plant.inertia / (delay_s * delay_s),
             damping: 0.464 * plant.inertia / delay_s,

@@ -1,4 +1,4 @@
-//! A debug probe on the running drive: reads RTT channel 0 through the memory access port alone.
+//! A debug probe on the running drive: reads the ring of the recordings through the memory access port alone.
 //!
 //! Not through a session of probe-rs: opening one halts every core to clear its breakpoints, and closing one halts it
 //! again; a drive that runs then trips (tick overrun, or the monostable behind its heartbeat). The access port reads and
@@ -24,7 +24,7 @@ const MEMORY_PORT: FullyQualifiedApAddress = FullyQualifiedApAddress::v1_with_de
 /// What goes wrong with a probe, in its words.
 pub type ProbeError = Box<dyn Error + Send + Sync>;
 
-/// A probe that is attached to the log.
+/// A probe that is attached to the recordings.
 pub struct Probe {
     port: Port,
     block: u64,
@@ -55,8 +55,8 @@ impl Probe {
     ///
     /// # Errors
     ///
-    /// No probe, no chip, or no log at that address: the ELF file is not that of the flashed image.
-    pub fn attach(rtt_address: u64) -> Result<Self, ProbeError> {
+    /// No probe, no chip, or no recordings at that address: the ELF file is not that of the flashed image.
+    pub fn attach(address: u64) -> Result<Self, ProbeError> {
         let found = Lister::new().list_all();
         let mut probe = found.first().ok_or("no debug probe is connected")?.open()?;
         probe.attach_to_unspecified()?;
@@ -64,13 +64,13 @@ impl Probe {
         let mut interface = interface.map_err(|(_, error)| error)?;
         interface.select_debug_port(DpAddress::Default)?;
         let mut port = Port(interface);
-        if !ring::is_there(&mut port, rtt_address)? {
-            return Err("no log at the address of the ELF file: it is not that of the flashed image".into());
+        if !ring::is_there(&mut port, address)? {
+            return Err("no recordings at the address of the ELF file: it is not that of the flashed image".into());
         }
-        Ok(Self { port, block: rtt_address })
+        Ok(Self { port, block: address })
     }
 
-    /// What the log has written since the last time.
+    /// What the image has recorded since the last time.
     ///
     /// # Errors
     ///

@@ -1,8 +1,8 @@
-//! The RTT ring of up-channel 0 as a debugger reads it beside the running core: memory is read, and one word written.
+//! The RTT ring of the recordings as a debugger reads it beside the running core: memory is read, and one word written.
 
 /// How the control block begins.
-const NAME: &[u8] = b"SEGGER RTT";
-/// Words of up-channel 0 in the control block: address of its buffer, size, write offset, read offset.
+const NAME: &[u8] = b"ER-SERVO FRAMES";
+/// Words of its only channel in the control block: address of its buffer, size, write offset, read offset.
 const CHANNEL: u64 = 28;
 const READ_OFFSET: u64 = 40;
 
@@ -84,7 +84,7 @@ mod tests {
     /// A ring of 8 bytes, with the offsets of image and debugger.
     fn ram(write: u32, read: u32) -> Ram {
         let mut ram = Ram { bytes: vec![0; 0x200], written: Vec::new() };
-        ram.place(BLOCK, b"SEGGER RTT\0\0\0\0\0\0");
+        ram.place(BLOCK, b"ER-SERVO FRAMES\0");
         for (nth, word) in [BUFFER, 8, write, read].into_iter().enumerate() {
             ram.place(BLOCK + CHANNEL + 4 * nth as u64, &word.to_le_bytes());
         }

@@ -29,8 +29,8 @@ pub enum Origin {
     /// A debug probe.
     #[cfg(feature = "probe")]
     Probe {
-        /// Address of the RTT control block, from the ELF file.
-        rtt_address: u64,
+        /// Address of the recordings' control block, from the ELF file.
+        address: u64,
     },
 }
 
@@ -68,8 +68,8 @@ impl Origin {
             Self::File(file) => self.spawn(File::open(file).map_err(|error| self.error(error))?, sender),
             Self::Tcp(address) => self.spawn(line::tcp(address)?, sender),
             #[cfg(feature = "probe")]
-            Self::Probe { rtt_address } => {
-                let mut probe = super::probe::Probe::attach(*rtt_address).map_err(|error| self.error(error))?;
+            Self::Probe { address } => {
+                let mut probe = super::probe::Probe::attach(*address).map_err(|error| self.error(error))?;
                 let origin = self.clone();
                 thread::spawn(move || pass_on(|buffer| probe.read(buffer), &origin, &sender));
             }

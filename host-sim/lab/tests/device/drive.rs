@@ -40,10 +40,15 @@ pub struct Machine {
 impl Machine {
     /// Up and ready.
     pub fn ready(encoder: Option<Encoder>) -> Self {
+        Self::of(&Model::paper(), encoder, SILENT_TICKS)
+    }
+
+    /// Another machine, up and ready.
+    pub fn of(model: &Model, encoder: Option<Encoder>, silent_ticks: u32) -> Self {
         let config = Config::default();
-        let mut bench = Bench::new(&Model::paper(), Params::new(&config).unwrap(), f64::from(config.period_s)).unwrap();
+        let mut bench = Bench::new(model, Params::new(&config).unwrap(), f64::from(config.period_s)).unwrap();
         bench.init().unwrap();
-        let commander = Commander::new(Faults::empty(), SILENT_TICKS);
+        let commander = Commander::new(Faults::empty(), silent_ticks);
         let mut machine = Self {
             bench,
             last: None,

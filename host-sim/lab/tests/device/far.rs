@@ -9,12 +9,16 @@ use std::time::{Duration, Instant};
 
 use er_servo::Config;
 use er_servo::link::{PACKET_BYTES, ParameterSource, Server, encode};
+use plant::Model;
 
 use crate::drive::Machine;
 use crate::log::Encoder;
 
 /// Ticks a second: a quarter of the drive's, so that 250 ms of silence are a second here and a busy machine is no fault.
 const TICKS_S: f64 = 500.0;
+/// Of a drive that is ten times as fast as its clock, for experiments of a minute; its patience is a second.
+const FAST_TICKS_S: f64 = 20_000.0;
+const FAST_SILENT_TICKS: u32 = 20_000;
 
 /// What a test may pull at while the drive runs.
 #[derive(Debug, Default)]
@@ -40,11 +44,20 @@ pub struct Far {
 
 impl Far {
     pub fn start(encoder: Option<Encoder>) -> Self {
+        Self::with(TICKS_S, move || Machine::ready(encoder))
+    }
+
+    /// Another machine, ten times as fast as the clock.
+    pub fn fast(model: Model) -> Self {
+        Self::with(FAST_TICKS_S, move || Machine::of(&model, None, FAST_SILENT_TICKS))
+    }
+
+    fn with(ticks_s: f64, machine: impl FnOnce() -> Machine + Send + 'static) -> Self {
         let (link, log) = (Ear::new(), Ear::new());
         let strings = Arc::new(Strings::default());
         let addresses = [&link, &log].map(|ear| ear.listener.local_addr().unwrap());
         let pulled = Arc::clone(&strings);
-        let thread = thread::spawn(move || serve(&pulled, link, log, encoder));
+        let thread = thread::spawn(move || serve(&pulled, link, log, ticks_s, machine()));
         Self { link: addresses[0], log: addresses[1], strings, thread: Some(thread) }
     }
 
@@ -105,8 +118,9 @@ impl Ear {
     }
 }
 
-fn serve(strings: &Strings, mut link: Ear, mut log: Ear, encoder: Option<Encoder>) {
-    let mut machine = Machine::ready(encoder);
+fn serve(strings: &Strings, mut link: Ear, mut log: Ear, ticks_s: f64, mut machine: Machine) {
+    // 20 ms.
+    let at_once = (ticks_s / 50.0) as u32;
     let mut server = Server::new(Config::default(), ParameterSource::BuiltIn);
     let (start, mut ticks) = (Instant::now(), 0);
     let mut buffer = [0; 4096];
@@ -123,9 +137,9 @@ fn serve(strings: &Strings, mut link: Ear, mut log: Ear, encoder: Option<Encoder
             }
         }
         machine.bench.interlock_closed.set(!strings.interlock_open.load(Ordering::Relaxed));
-        let due = (start.elapsed().as_secs_f64() * TICKS_S) as u32;
+        let due = (start.elapsed().as_secs_f64() * ticks_s) as u32;
         // A thread that was kept waiting does not catch up: that would be silence of the link.
-        machine.ticks((due - ticks).min(10));
+        machine.ticks((due - ticks).min(at_once));
         ticks = due;
         link.write(&std::mem::take(&mut machine.telemetry));
         log.write(&std::mem::take(&mut machine.log));

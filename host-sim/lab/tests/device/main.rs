@@ -5,6 +5,7 @@
 mod decode;
 mod drive;
 mod far;
+mod identify;
 mod link;
 mod log;
 mod record;
