@@ -7,6 +7,7 @@ use rayon::prelude::*;
 use crate::hypothesis::{Refitted, kept};
 use crate::likelihood::Window;
 use crate::problem::Problem;
+use crate::recorded::Recorded;
 
 /// Windows of each recording at two horizons.
 #[derive(Debug, Clone, PartialEq)]
@@ -20,16 +21,26 @@ pub const HORIZONS_S: [f64; 2] = [0.05, 0.2];
 /// No horizon is shorter than this many rows.
 const LEAST_ROWS: usize = 8;
 
+/// Rows of a window of that horizon, by its place in [`HORIZONS_S`], of a recording.
+fn window_rows(recorded: &Recorded, horizon: usize) -> usize {
+    ((HORIZONS_S[horizon] / recorded.period_s()).round() as usize).max(LEAST_ROWS)
+}
+
+/// Length of the windows of that horizon, by its place in [`HORIZONS_S`], s: longer than that where the rows are far apart; of
+/// recordings that differ, the longest.
+pub fn window_s(problem: &Problem, horizon: usize) -> f64 {
+    let of = |recorded: &Recorded| window_rows(recorded, horizon) as f64 * recorded.period_s();
+    // Whole microseconds: the last digits of jittered times are no part of a length that is told.
+    (1e6 * problem.recordings.iter().map(of).fold(0.0, f64::max)).round() / 1e6
+}
+
 impl WindowFit {
     /// Of every recording under a hypothesis.
     pub fn new(problem: &Problem, refitted: &Refitted) -> Option<Self> {
         let physics = refitted.hypothesis.physics(&problem.nominal);
         let path = kept(problem, &physics, &refitted.noise, problem.recordings.len())?;
         let of = |index: usize| {
-            let period_s = problem.recordings[index].period_s();
-            HORIZONS_S.map(|horizon_s| {
-                path.windows(problem, index, ((horizon_s / period_s).round() as usize).max(LEAST_ROWS))
-            })
+            [0, 1].map(|horizon| path.windows(problem, index, window_rows(&problem.recordings[index], horizon)))
         };
         let windows = (0..problem.recordings.len()).into_par_iter().map(of).collect();
         Some(Self { windows })

@@ -174,6 +174,11 @@ fn each_fault_of_a_recording_is_named() {
         r.effort_cmd.truncate(300);
         r.field_cmd_kv_mm.as_mut().unwrap().truncate(300);
     };
+    said(
+        &|r| r.gaps = (0..r.rows() - 1).step_by(10).collect(),
+        Severity::Error,
+        "t_s: rows are missing in 1200 places, and after each what was commanded meanwhile still acts: 0.000 s are left",
+    );
     said(&cut, Severity::Error, "run.csv: 0.149 s is too short, at least 0.8 s is needed; record longer");
     let error = warnings(&machine, &[finding_of(&cut)], &[], Purpose::Diagnose).unwrap_err();
     assert_eq!((error.exit_code(), error.to_string().lines().count()), (2, 1));

@@ -86,11 +86,18 @@ fn an_axis_that_never_moved_is_no_panic() {
     assert!(matches!(code, Some(0 | 2)), "{code:?}: {errors}");
 }
 
+/// What is said of a model that takes more work than a comparison has.
+const TOO_STIFF: &str = "the model is too stiff to follow along so many rows";
+
+/// A thousand million times the drive's torque: it swings the rotor within less than a step.
+const COGGING: &str = "[[effects]]\nid = \"cogging\"\namplitude_nm = 1e12\norder_per_rev = 7.0\nphase_rad = 0.0\n";
+
 /// A machine with a fluid, for what only a rotary axis has.
 const ER: &str = "[plant.er]\na = 0.0704\nb = 0.470\ndead_time_s = 0.002\nlag_s = 0.003\n";
 
 /// Drag that stops the axis within a nanosecond, a bristle, a shaft and a gap that bend for as long: 1e12 steps and more, as long
-/// as a step had to be shorter than that. (A shaft and a gap at 1 kHz; at 10 kHz the gap takes more than the minute.) A minute of processor is the limit of any command.
+/// as a step had to be shorter than that. A minute of processor is the limit
+/// of any command.
 #[test]
 fn a_machine_however_stiff_costs_no_more_than_any_other() {
     let folder = tempfile::tempdir().unwrap();
@@ -106,9 +113,9 @@ fn a_machine_however_stiff_costs_no_more_than_any_other() {
     let drag = SERVO.replace("rotary", "linear").replace("0.075", "1e-6").replace("0.763", "0.1");
     let drag = drag.replace("torque_limit = 30.0", "viscous = 1724.0");
     let (stiff, servo) = (|effect: &str| format!("{drag}{effect}"), |effect: &str| format!("{SERVO}{ER}{effect}"));
-    let shaft = |id: &str, gap: &str| {
+    let shaft = |id: &str, resonance: &str, gap: &str| {
         servo(&format!(
-            "[[effects]]\nid = \"{id}\"\nresonance_hz = 1e3\ndamping_ratio = 0.03\ninertia_ratio = 0.5\n{gap}"
+            "[[effects]]\nid = \"{id}\"\nresonance_hz = {resonance}\ndamping_ratio = 0.03\ninertia_ratio = 0.5\n{gap}"
         ))
     };
     let machines = [
@@ -117,16 +124,20 @@ fn a_machine_however_stiff_costs_no_more_than_any_other() {
         ("linear", "drag", stiff("[[effects]]\nid = \"quadratic_drag\"\ncoefficient_n_s2_m2 = 1.0\n")),
         ("rotary", "bristle", servo("[[effects]]\nid = \"presliding\"\nstiffness_nm_rad = 1e9\n")),
         ("rotary", "fluid", servo("[[effects]]\nid = \"er_preyield\"\nstiffness_nm_rad = 1e9\n")),
-        ("rotary", "shaft", shaft("compliance", "")),
-        ("rotary", "gap", shaft("backlash", "gap_rad = 1e-9\n")),
-        ("rotary", "gap", shaft("backlash", "gap_rad = 1e-4\n")),
+        ("rotary", "shaft", shaft("compliance", "1e3", "")),
+        ("rotary", "shaft", shaft("compliance", "1e4", "")),
+        ("rotary", "gap", shaft("backlash", "1e3", "gap_rad = 1e-9\n")),
+        ("rotary", "gap", shaft("backlash", "1e3", "gap_rad = 1e-4\n")),
+        ("rotary", TOO_STIFF, shaft("backlash", "1e4", "gap_rad = 1e-9\n")),
+        ("rotary", TOO_STIFF, servo(COGGING)),
     ];
     for (axis, name, machine) in machines {
         fs::write(folder.path().join("m.toml"), machine).unwrap();
         let ended = common::run(folder.path(), &["compare", "--machine", "m.toml", &format!("{axis}.csv")]);
         println!("{name}: {:.2} s, {:.2} s of processor", ended.wall_s, ended.cpu_s);
         assert_eq!(ended.fault(), None, "{name}");
-        assert!(ended.output.status.success(), "{name}: {}", String::from_utf8_lossy(&ended.output.stderr));
+        let errors = String::from_utf8_lossy(&ended.output.stderr);
+        assert!(ended.output.status.success() || name == TOO_STIFF && errors.contains(TOO_STIFF), "{name}: {errors}");
     }
 }
 
@@ -134,8 +145,7 @@ fn a_machine_however_stiff_costs_no_more_than_any_other() {
 #[test]
 fn a_model_that_is_too_stiff_to_follow_is_refused_with_what_to_check() {
     let folder = tempfile::tempdir().unwrap();
-    let cogging = "[[effects]]\nid = \"cogging\"\namplitude_nm = 1e12\norder_per_rev = 7.0\nphase_rad = 0.0\n";
-    fs::write(folder.path().join("m.toml"), format!("{SERVO}{cogging}")).unwrap();
+    fs::write(folder.path().join("m.toml"), format!("{SERVO}{COGGING}")).unwrap();
     let row = |row| {
         let t_s = f64::from(row) * 0.02;
         format!("{t_s},{},{}\n", 0.1 * (3.0 * t_s).sin(), 2.6 * (3.0 * t_s).cos())

@@ -159,3 +159,53 @@ fn without_an_experiment_that_tells_the_answer_says_what_would() {
     assert!(!folder.path().join("next.csv").exists(), "there is nothing to record");
     assert!(!answer["warnings"].to_string().contains("another motion"), "{}", answer["warnings"]);
 }
+
+/// A pendulum without friction but its bearing's, 8 s under three tones that are held from row to row, in rows of `period_ms`, by
+/// fourth-order Runge-Kutta steps of 0.2 ms.
+fn pendulum(period_ms: u32, gravity_nm: f64, phase_rad: f64) -> String {
+    let (inertia, viscous, step, h) = (0.075, 0.05, 1.278_317_3e-5, 2e-4);
+    let (mut q, mut v) = (0.0_f64, 0.0_f64);
+    let mut text = "t_s,position_rad,torque_cmd_nm\n".to_owned();
+    for row in 0..8000 / period_ms {
+        let t_s = f64::from(row * period_ms) * 1e-3;
+        let torque = 2.0 * (2.1 * t_s).sin() + 1.2 * (7.3 * t_s + 1.0).sin() + 0.8 * (19.0 * t_s).sin();
+        text.push_str(&format!("{t_s:.4},{},{torque}\n", (q / step).round() * step));
+        let rate = |q: f64, v: f64| (torque - viscous * v - gravity_nm * (q + phase_rad).sin()) / inertia;
+        for _ in 0..5 * period_ms {
+            let (v1, a1) = (v, rate(q, v));
+            let (v2, a2) = (v + 0.5 * h * a1, rate(q + 0.5 * h * v1, v + 0.5 * h * a1));
+            let (v3, a3) = (v + 0.5 * h * a2, rate(q + 0.5 * h * v2, v + 0.5 * h * a2));
+            let (v4, a4) = (v + h * a3, rate(q + h * v3, v + h * a3));
+            q += h / 6.0 * (v1 + 2.0 * v2 + 2.0 * v3 + v4);
+            v += h / 6.0 * (a1 + 2.0 * a2 + 2.0 * a3 + a4);
+        }
+    }
+    text
+}
+
+/// What the model lacks is named with its value however coarse the rows are, and no floor is above what is left.
+#[test]
+#[cfg_attr(debug_assertions, ignore = "a minute without optimisation; the tests in release run it")]
+fn gravity_is_named_at_coarse_sampling_and_the_floor_is_below_what_is_left() {
+    let (gravity_nm, phase_rad) = (3.2, 0.4);
+    let folder = tempfile::tempdir().unwrap();
+    let machine = "schema = 1\nname = \"m\"\n[axis]\nkind = \"rotary\"\nsample_period_s = 1e-3\n\
+                   resolution = 1.2783173e-5\n[plant]\ninertia = 0.075\nviscous = 0.05\ntorque_limit = 30\n";
+    fs::write(folder.path().join("m.toml"), machine).unwrap();
+    for period_ms in [1, 5, 6] {
+        fs::write(folder.path().join("run.csv"), pendulum(period_ms, gravity_nm, phase_rad)).unwrap();
+        let only = "gravity_load,coulomb_friction,viscous_friction,torque_offset,spring_load";
+        let words = ["diagnose", "--machine", "m.toml", "run.csv", "--only", only, "--json", "-"];
+        let answer: Value = serde_json::from_str(&lab(folder.path(), &words)).unwrap();
+        println!("{period_ms} ms: {} {} {}", answer["verdict"], answer["effects"], answer["fit"]);
+        assert!(answer["verdict"] == "named" || answer["verdict"] == "partial", "{period_ms} ms: {answer:#}");
+        let effects = answer["effects"].as_array().unwrap();
+        assert!(effects.len() == 1 && effects[0]["id"] == "gravity_load", "{period_ms} ms: {effects:?}");
+        for (value, truth) in effects[0]["parameters"].as_array().unwrap().iter().zip([gravity_nm, phase_rad]) {
+            let (low, high) = (value["low"].as_f64().unwrap(), value["high"].as_f64().unwrap());
+            assert!(low <= truth && truth <= high, "{period_ms} ms: {value} without {truth}");
+        }
+        let fit = |key: &str| answer["fit"][key].as_f64().unwrap();
+        assert!(fit("noise_floor_rms") <= fit("after_rms") && fit("after_rms") < 0.1 * fit("before_rms"), "{answer:#}");
+    }
+}

@@ -4,7 +4,7 @@ use diagnosis::locate::{Region, Span, regions, spans};
 use diagnosis::pipeline::{Conclusion, Named};
 use diagnosis::problem::Problem;
 use diagnosis::verdict as judged;
-use diagnosis::windows::HORIZONS_S;
+use diagnosis::windows::window_s;
 
 use crate::read::{AxisKind, vocabulary};
 use crate::report::{
@@ -80,7 +80,7 @@ fn fit(problem: &Problem, conclusion: &Conclusion, expected: f64, axis: AxisKind
         heldout_floor_rms: floor_held,
         excess_explained: explained(before, after, expected),
         unit: Units::of(axis).position.to_owned(),
-        horizon_s: HORIZONS_S[0],
+        horizon_s: window_s(problem, 0),
     }
 }
 

@@ -44,6 +44,15 @@ pub enum Problem {
         /// Needed.
         needed_s: f64,
     },
+    /// So many gaps that too little is left between them.
+    Gaps {
+        /// Number of them.
+        gaps: usize,
+        /// Left between them, s.
+        left_s: f64,
+        /// Needed, s.
+        needed_s: f64,
+    },
     /// Rows too far apart for any window.
     SlowSampling {
         /// Median of the rows.
@@ -123,7 +132,7 @@ impl Finding {
             | Problem::Acceleration { .. }
             | Problem::OtherStep { .. } => Column::Position,
             Problem::Huge { column, .. } => column,
-            Problem::SlowSampling { .. } | Problem::OtherPeriod { .. } => Column::Time,
+            Problem::Gaps { .. } | Problem::SlowSampling { .. } | Problem::OtherPeriod { .. } => Column::Time,
             Problem::ConstantEffort { .. } | Problem::SignFlipped { .. } => Column::EffortCmd,
             Problem::SameRows | Problem::TooShort { .. } | Problem::Inertia { .. } => return None,
         };
@@ -155,6 +164,11 @@ impl Finding {
             Problem::TooShort { length_s, needed_s } => {
                 format!("{length_s:.3} s is too short, at least {needed_s:.1} s is needed; record longer")
             }
+            Problem::Gaps { gaps, left_s, needed_s } => format!(
+                "rows are missing in {gaps} places, and after each what was commanded meanwhile still acts: {left_s:.3} s are left, \
+                 at least {needed_s:.1} s are needed; record without losing rows, or, of rows thinned out on purpose, leave out \
+                 the column seq"
+            ),
             Problem::SlowSampling { period_s, most_s, file_s } => {
                 let unit = in_ms(period_s / file_s);
                 format!("rows are {period_s} s apart, at most {most_s} s can be worked on{unit}")

@@ -11,6 +11,8 @@ pub use finding::{Finding, Problem, Severity};
 
 use std::path::Path;
 
+use diagnosis::recorded::ACTS_S;
+
 use crate::Error;
 use crate::read::{AxisKind, Column, Machine, Recording, position_step};
 use inertia::{Estimate, estimate};
@@ -104,6 +106,11 @@ pub fn check(machine: &Machine, fitted: &[Recording], holdout: &[Recording], pur
             let enough = purpose == Purpose::Diagnose && (index >= fitted.len() || length_s >= needed_s);
             let severity = if enough { Severity::Warning } else { Severity::Error };
             add(Problem::TooShort { length_s: own_s, needed_s }, severity);
+            continue;
+        }
+        let left_s = judged_s(recording);
+        if purpose == Purpose::Diagnose && left_s < needed_s {
+            add(Problem::Gaps { gaps: recording.gaps.len(), left_s, needed_s }, Severity::Error);
             continue;
         }
         if travel(recording) <= still_within(machine, recording) {
@@ -222,6 +229,18 @@ fn has_same_rows(one: &Recording, other: &Recording) -> bool {
 
 fn length_s(recording: &Recording) -> f64 {
     recording.t_s.last().unwrap_or(&0.0) - recording.t_s.first().unwrap_or(&0.0)
+}
+
+/// Time in which a diagnosis takes residuals, s: without what follows each gap while lost commands still act.
+fn judged_s(recording: &Recording) -> f64 {
+    let t_s = &recording.t_s;
+    let starts = std::iter::once(0).chain(recording.gaps.iter().map(|gap| gap + 1));
+    let ends = recording.gaps.iter().copied().chain(std::iter::once(t_s.len().saturating_sub(1)));
+    let piece = |(place, (start, end)): (usize, (usize, usize))| {
+        let (Some(from_s), Some(to_s)) = (t_s.get(start), t_s.get(end)) else { return 0.0 };
+        (to_s - from_s - if place == 0 { 0.0 } else { ACTS_S }).max(0.0)
+    };
+    starts.zip(ends).enumerate().map(piece).sum()
 }
 
 fn range(values: &[f64]) -> (f64, f64) {

@@ -149,7 +149,7 @@ pub struct FitAnswer {
     pub excess_explained: f64,
     /// Unit of the residuals.
     pub unit: String,
-    /// Length of the windows, s.
+    /// Length of the windows, s: 0.05, or eight rows where those are longer; of recordings that differ, the longest.
     pub horizon_s: f64,
 }
 

@@ -93,13 +93,14 @@ fn median_period_s(t_s: &[f64]) -> f64 {
     spans.get(spans.len() / 2).copied().unwrap_or(1e-3)
 }
 
-/// Work of the plant, as it counts its steps, that a residual may take: this, half a minute at the 0.2 us of the slowest steps
-/// that were measured ...
+/// Work of the plant, as it counts it, that a residual may take: this, ten seconds at the 0.1 us of the slowest law that was
+/// measured (a cogging that swings the rotor in less than a step) ...
 const LEAST_BUDGET: u64 = 100_000_000;
-/// ... with so much a row, which a fluid with a bristle of 1e9 N m/rad needs on rows of 5 ms ...
+/// ... with so much a row, several times what a fluid with a bristle of 1e9 N m/rad needs on rows of 5 ms (75,000) ...
 const STIFF_ROW: u64 = 500_000;
-/// ... up to this, 15 s of such a fluid: a comparison has two residuals ...
-const MOST_BUDGET: u64 = 700_000_000;
+/// ... up to this, which 15 s of such a fluid, or of a load in its gap at 10 kHz, do not reach (220 and 250 million): a comparison
+/// has two residuals, and so ends within the minute, refused or not ...
+const MOST_BUDGET: u64 = 260_000_000;
 /// ... and for each row many times what a plain machine takes, or a log of hours had no comparison.
 const PLAIN_ROW: u64 = 500;
 

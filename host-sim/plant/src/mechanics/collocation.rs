@@ -10,7 +10,7 @@
 pub(crate) const NODES: usize = 4;
 
 /// Iterations after which a step that is short enough has converged.
-const MOST_ITERATIONS: usize = 30;
+const MOST_ITERATIONS: u32 = 30;
 
 /// Relative error of the accelerations at which the iteration stops. Speeds are then wrong by this times h.
 const TOLERANCE: f64 = 1e-13;
@@ -53,8 +53,8 @@ impl Collocation {
         Self { times, speed, position, last_speed, last_position }
     }
 
-    /// Positions and speeds of `N` bodies a time `h` after `q`, `v`; `acceleration` takes a node and the positions and
-    /// speeds there, `guess` are the first accelerations at the nodes.
+    /// Positions and speeds of `N` bodies a time `h` after `q`, `v`, and the iterations that took; `acceleration` takes a node
+    /// and the positions and speeds there, `guess` are the first accelerations at the nodes.
     #[inline]
     pub(crate) fn step<const N: usize>(
         &self,
@@ -62,10 +62,12 @@ impl Collocation {
         guess: [[f64; N]; NODES],
         h: f64,
         acceleration: impl Fn(usize, &[f64; N], &[f64; N]) -> [f64; N],
-    ) -> ([f64; N], [f64; N]) {
+    ) -> ([f64; N], [f64; N], u32) {
         let mut found = guess;
         let mut change_before = 0.0;
-        for _ in 0..MOST_ITERATIONS {
+        let mut iterations = 0;
+        while iterations < MOST_ITERATIONS {
+            iterations += 1;
             let mut change = 0.0_f64;
             let mut largest = 0.0_f64;
             let at: [([f64; N], [f64; N]); NODES] = std::array::from_fn(|node| {
@@ -91,7 +93,7 @@ impl Collocation {
         }
         let speed = std::array::from_fn(|body| v[body] + h * dot(&self.last_speed, &found, body));
         let position = std::array::from_fn(|body| q[body] + h * (v[body] + h * dot(&self.last_position, &found, body)));
-        (position, speed)
+        (position, speed, iterations)
     }
 }
 
@@ -112,9 +114,11 @@ mod tests {
         let method = Collocation::new();
         let run = |steps: u32| {
             let h = 2.0 / f64::from(steps);
-            (0..steps)
-                .fold(([1.0], [0.0]), |x, _| method.step(x, [[-x.0[0].sin()]; NODES], h, |_, q, _| [-q[0].sin()]))
-                .0[0]
+            let step = |x: ([f64; 1], [f64; 1])| {
+                let (q, v, _) = method.step(x, [[-x.0[0].sin()]; NODES], h, |_, q, _| [-q[0].sin()]);
+                (q, v)
+            };
+            (0..steps).fold(([1.0], [0.0]), |x, _| step(x)).0[0]
         };
         let exact = run(256);
         let (coarse, fine) = ((run(4) - exact).abs(), (run(8) - exact).abs());

@@ -1,13 +1,17 @@
 //! Motion through one segment: sliding and sticking, with every change between them located in time.
 
+use std::cell::Cell;
+use std::ops::Deref;
+
 use super::root::root;
 use super::state::{Motion, State};
 use crate::Segment;
 
 /// A law of motion that events are located on. Times `t` count from the start of the segment, s.
 pub(crate) trait Flow {
-    /// State `h` seconds of sliding after `x`, all in one motion and one regime.
-    fn step(&self, segment: &Segment, t: f64, x: &State, h: f64) -> State;
+    /// State `h` seconds of sliding after `x`, all in one motion and one regime, and the work that took, in steps of a law
+    /// with a closed form.
+    fn step(&self, segment: &Segment, t: f64, x: &State, h: f64) -> (State, u32);
 
     /// Acceleration while sliding, rad/s^2 (m/s^2).
     fn acceleration(&self, segment: &Segment, t: f64, x: &State) -> f64;
@@ -31,6 +35,30 @@ pub(crate) trait Flow {
 
     /// Puts a state whose guard has reached zero into its next regime.
     fn leave_regime(&self, _segment: &Segment, _t: f64, _x: &mut State) {}
+}
+
+/// A law of motion whose work is counted wherever a step is taken, in the location of an event too.
+struct Metered<'a, F> {
+    flow: &'a F,
+    work: Cell<u64>,
+}
+
+impl<F: Flow> Metered<'_, F> {
+    #[inline]
+    fn step(&self, segment: &Segment, t: f64, x: &State, h: f64) -> State {
+        let (state, work) = self.flow.step(segment, t, x, h);
+        self.work.set(self.work.get() + u64::from(work));
+        state
+    }
+}
+
+impl<F> Deref for Metered<'_, F> {
+    type Target = F;
+
+    #[inline]
+    fn deref(&self) -> &F {
+        self.flow
+    }
 }
 
 /// Torques at standstill, N m (N).
@@ -70,9 +98,10 @@ fn least_advance_s(turns: i32) -> f64 {
     LEAST_ADVANCE_S * 2.0_f64.powi(((turns - PATIENCE) / TURNS_TO_DOUBLE).max(0))
 }
 
-/// Moves `x` from `from_s` to `to_s` within the segment; both count from its start. Gives the number of steps and events.
+/// Moves `x` from `from_s` to `to_s` within the segment; both count from its start. Gives the work of it.
 #[inline]
-pub(crate) fn run<F: Flow>(flow: &F, segment: &Segment, from_s: f64, to_s: f64, x: &mut State) -> i32 {
+pub(crate) fn run<F: Flow>(flow: &F, segment: &Segment, from_s: f64, to_s: f64, x: &mut State) -> u64 {
+    let flow = &Metered { flow, work: Cell::new(0) };
     let mut t = from_s;
     let mut turns = 0;
     flow.enter(segment, t, x);
@@ -84,11 +113,11 @@ pub(crate) fn run<F: Flow>(flow: &F, segment: &Segment, from_s: f64, to_s: f64, 
         };
         turns += 1;
     }
-    turns
+    flow.work.get()
 }
 
 /// Waits for break-away; returns the time reached. The rotor has not moved, but a load behind it may have.
-fn rest<F: Flow>(flow: &F, segment: &Segment, (t, to_s): (f64, f64), least_s: f64, x: &mut State) -> f64 {
+fn rest<F: Flow>(flow: &Metered<'_, F>, segment: &Segment, (t, to_s): (f64, f64), least_s: f64, x: &mut State) -> f64 {
     let balance = flow.rest_balance(segment, t, x);
     x.motion = balance.motion();
     if x.motion != Motion::Stuck {
@@ -123,7 +152,7 @@ fn cut(t: f64, to_s: f64, longest: f64) -> (f64, f64) {
 
 /// Slides until the first event or `to_s`; returns the time reached.
 #[inline]
-fn slide<F: Flow>(flow: &F, segment: &Segment, (t, to_s): (f64, f64), least_s: f64, x: &mut State) -> f64 {
+fn slide<F: Flow>(flow: &Metered<'_, F>, segment: &Segment, (t, to_s): (f64, f64), least_s: f64, x: &mut State) -> f64 {
     let (mut h, mut end) = cut(t, to_s, flow.longest_step(segment, t, x));
     let mut next = flow.step(segment, t, x, h);
     let mut stop = stop_within(flow, segment, t, x, h, &next);
@@ -156,7 +185,7 @@ fn slide<F: Flow>(flow: &F, segment: &Segment, (t, to_s): (f64, f64), least_s: f
 /// The end of the regime within a step of `h`, if it ends there: when, and the state in the next regime.
 #[inline]
 fn leave_within<F: Flow>(
-    flow: &F,
+    flow: &Metered<'_, F>,
     segment: &Segment,
     t: f64,
     x: &State,
@@ -198,7 +227,7 @@ enum Stop {
 /// Finds the first zero of the speed. The speed along the motion has one interior extremum at most in a step (exact for
 /// the nominal machine, where w' exp(viscous t / J) is monotone), so the ends and that extremum tell everything.
 #[inline]
-fn stop_within<F: Flow>(flow: &F, segment: &Segment, t: f64, x: &State, h: f64, next: &State) -> Stop {
+fn stop_within<F: Flow>(flow: &Metered<'_, F>, segment: &Segment, t: f64, x: &State, h: f64, next: &State) -> Stop {
     let sign = x.motion.sign();
     let start = sign * x.velocity;
     let end = sign * next.velocity;

@@ -6,6 +6,7 @@
 use super::events::{Balance, Flow};
 use super::fluid::{FluidInput, FluidLaw, FluidRegime};
 use super::phi::{field_moments, moments};
+use super::series::Push;
 use super::state::State;
 use crate::effects::Harmonic;
 use crate::effects::friction::Friction;
@@ -113,6 +114,20 @@ impl Exact {
         }
     }
 
+    /// Torque on a motor that turns as `x` does, from `t` on, and the viscous coefficient that acts beside it; none for a fluid
+    /// with a viscosity, which has regimes.
+    pub(super) fn push(&self, segment: &Segment, t: f64, x: &State) -> Option<(Push, f64)> {
+        let FluidLaw::Field { .. } = self.fluid else { return None };
+        let sign = x.motion.sign();
+        let (drag, torque) = (self.drag(segment, t, sign, x.fluid_regime), segment.torque.rebased(t));
+        let rate = segment.fluid.rate;
+        let push = Push {
+            constant: torque.base + segment.external_torque - sign * drag.level,
+            decays: [(torque.amplitude, torque.rate), (-sign * drag.linear, rate), (-sign * drag.square, 2.0 * rate)],
+        };
+        Some((push, drag.viscous))
+    }
+
     fn fluid_input(&self, segment: &Segment, t: f64) -> FluidInput {
         FluidInput { viscosity: segment.fluid.at(t), ..FluidInput::default() }
     }
@@ -120,10 +135,10 @@ impl Exact {
 
 impl Flow for Exact {
     #[inline]
-    fn step(&self, segment: &Segment, t: f64, x: &State, h: f64) -> State {
+    fn step(&self, segment: &Segment, t: f64, x: &State, h: f64) -> (State, u32) {
         let sign = x.motion.sign();
         if sign == 0.0 {
-            return *x;
+            return (*x, 1);
         }
         let drag = self.drag(segment, t, sign, x.fluid_regime);
         let torque = segment.torque.rebased(t);
@@ -147,7 +162,7 @@ impl Flow for Exact {
         if torque.amplitude != 0.0 {
             add(torque.amplitude, moments(torque.rate * h, beta));
         }
-        State { position, velocity, ..*x }
+        (State { position, velocity, ..*x }, 1)
     }
 
     #[inline]

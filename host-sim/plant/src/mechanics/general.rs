@@ -2,13 +2,21 @@
 
 use super::collocation::{Collocation, NODES};
 use super::events::{Balance, Flow};
+use super::exact::Exact;
 use super::fluid::{FluidInput, FluidLaw};
+use super::series;
 use super::state::{Motion, State};
 use crate::effects::friction::{FASTEST_S, Friction};
 use crate::effects::position::{PositionTorque, Ripple};
 use crate::effects::shaft::{Contact, ShaftLaw};
 use crate::effects::{Vibration, Warming};
 use crate::{Model, Segment, Signal};
+
+/// Work around a step, of its length, its input and its events, in steps of a law with a closed form, each of which takes
+/// about as long as an iteration of the collocation: the ratio of their measured times.
+const AROUND_STEP: u32 = 2;
+/// Of a power series with what is around it.
+const SERIES_WORK: u32 = 2;
 
 /// All effects at once.
 #[derive(Debug, Clone)]
@@ -26,6 +34,8 @@ pub(crate) struct General {
     /// Of viscous friction and of the fluid; none where nothing warms.
     warming: Option<[Warming; 2]>,
     shaft: Option<ShaftLaw>,
+    /// Everything but the shaft, where that has a closed form.
+    without_shaft: Option<Exact>,
     method: Collocation,
 }
 
@@ -61,6 +71,7 @@ impl General {
             drift_per_s: model.er.as_ref().map_or(0.0, |er| er.drift_per_s),
             warming: warming(model),
             shaft,
+            without_shaft: without_shaft(model),
             method: Collocation::new(),
         }
     }
@@ -172,30 +183,36 @@ impl General {
     }
 
     /// A step of a machine without a shaft and without heat.
-    fn rotor_step(&self, inputs: &[Input; NODES], x: &State, h: f64) -> State {
+    fn rotor_step(&self, inputs: &[Input; NODES], x: &State, h: f64) -> (State, u32) {
         let first = [self.torque(&inputs[0], x, x.position, x.velocity, [0.0; 2]) * self.per_inertia];
-        let (q, v) = self.method.step(([x.position], [x.velocity]), [first; NODES], h, |node, q, v| {
+        let (q, v, iterations) = self.method.step(([x.position], [x.velocity]), [first; NODES], h, |node, q, v| {
             [self.torque(&inputs[node], x, q[0], v[0], [0.0; 2]) * self.per_inertia]
         });
-        State { position: q[0], velocity: v[0], ..*x }
+        (State { position: q[0], velocity: v[0], ..*x }, iterations)
+    }
+
+    /// A step with a load behind a shaft where the rest has a closed form; none where what drives it changes within less.
+    fn linear_step(&self, shaft: &ShaftLaw, segment: &Segment, t: f64, x: &State, h: f64) -> Option<State> {
+        let (push, viscous) = self.without_shaft.as_ref()?.push(segment, t, x)?;
+        push.is_smooth(h).then(|| series::step(shaft, self.per_inertia, &push, viscous, x, h))
     }
 
     /// A step with a load behind a shaft.
-    fn shaft_step(&self, shaft: &ShaftLaw, inputs: &[Input; NODES], x: &State, h: f64) -> State {
+    fn shaft_step(&self, shaft: &ShaftLaw, inputs: &[Input; NODES], x: &State, h: f64) -> (State, u32) {
         let start = ([x.position, x.twist], [x.velocity, x.twist_rate]);
         let first = self.accelerations(shaft, &inputs[0], x, start, [0.0; 2]);
         let rate = shaft.torque_rate(x.contact, x.twist_rate, first[1]);
         let motor = if x.motion == Motion::Stuck { 0.0 } else { rate * self.per_inertia };
         let rates = [motor, -rate * shaft.per_load_inertia - motor];
         let guess = self.method.times.map(|time| std::array::from_fn(|body| first[body] + h * time * rates[body]));
-        let (q, v) = self
+        let (q, v, iterations) = self
             .method
             .step(start, guess, h, |node, q, v| self.accelerations(shaft, &inputs[node], x, (*q, *v), [0.0; 2]));
-        State { position: q[0], twist: q[1], velocity: v[0], twist_rate: v[1], ..*x }
+        (State { position: q[0], twist: q[1], velocity: v[0], twist_rate: v[1], ..*x }, iterations)
     }
 
     /// A step in which friction and fluid warm: heats are speeds of two bodies more, of which nobody asks the position.
-    fn warm_step(&self, warming: &[Warming; 2], inputs: &[Input; NODES], x: &State, h: f64) -> State {
+    fn warm_step(&self, warming: &[Warming; 2], inputs: &[Input; NODES], x: &State, h: f64) -> (State, u32) {
         let rates = |node: usize, q: &[f64; 4], v: &[f64; 4]| {
             let (input, heat_j) = (&inputs[node], [v[2], v[3]]);
             let [motor, twist] = match &self.shaft {
@@ -208,15 +225,22 @@ impl General {
         };
         let start = ([x.position, x.twist, 0.0, 0.0], [x.velocity, x.twist_rate, x.friction_heat_j, x.fluid_heat_j]);
         let first = rates(0, &start.0, &start.1);
-        let (q, v) = self.method.step(start, [first; NODES], h, rates);
+        let (q, v, iterations) = self.method.step(start, [first; NODES], h, rates);
         let [velocity, twist_rate, friction_heat_j, fluid_heat_j] = v;
-        State { position: q[0], twist: q[1], velocity, twist_rate, friction_heat_j, fluid_heat_j, ..*x }
+        (State { position: q[0], twist: q[1], velocity, twist_rate, friction_heat_j, fluid_heat_j, ..*x }, iterations)
     }
 }
 
 /// Heat of friction and fluid, J.
 fn heat(x: &State) -> [f64; 2] {
     [x.friction_heat_j, x.fluid_heat_j]
+}
+
+/// The machine of a model without its shaft, where that has a closed form.
+fn without_shaft(model: &Model) -> Option<Exact> {
+    model.shaft.as_ref()?;
+    let rigid = Model { shaft: None, ..model.clone() };
+    Exact::covers(&rigid).then(|| Exact::new(&rigid))
 }
 
 /// Heat stores of friction and fluid, none where nothing warms.
@@ -227,7 +251,7 @@ fn warming(model: &Model) -> Option<[Warming; 2]> {
 }
 
 impl Flow for General {
-    fn step(&self, segment: &Segment, t: f64, x: &State, h: f64) -> State {
+    fn step(&self, segment: &Segment, t: f64, x: &State, h: f64) -> (State, u32) {
         if x.motion == Motion::Stuck && self.shaft.is_none() {
             let mut next = *x;
             if let Some([friction, fluid]) = &self.warming {
@@ -235,10 +259,15 @@ impl Flow for General {
                 (next.fluid_heat_j, _) = fluid.after(x.fluid_heat_j, 0.0, h);
             }
             next.spring_torque = self.fluid.spring(&self.fluid_input(segment, t + h, &next), x, 0.0);
-            return next;
+            return (next, AROUND_STEP);
+        }
+        if let Some(shaft) = &self.shaft
+            && let Some(next) = self.linear_step(shaft, segment, t, x, h)
+        {
+            return (next, SERIES_WORK);
         }
         let inputs: [Input; NODES] = std::array::from_fn(|node| self.input(segment, t + h * self.method.times[node]));
-        let mut next = match (&self.warming, &self.shaft) {
+        let (mut next, iterations) = match (&self.warming, &self.shaft) {
             (Some(warming), _) => self.warm_step(warming, &inputs, x, h),
             (None, Some(shaft)) => self.shaft_step(shaft, &inputs, x, h),
             (None, None) => self.rotor_step(&inputs, x, h),
@@ -250,7 +279,7 @@ impl Flow for General {
         if matches!(self.fluid, FluidLaw::Spring { .. }) {
             next.spring_torque = self.fluid.spring(&self.fluid_input(segment, t + h, &next), x, travel);
         }
-        next
+        (next, AROUND_STEP + iterations)
     }
 
     fn acceleration(&self, segment: &Segment, t: f64, x: &State) -> f64 {

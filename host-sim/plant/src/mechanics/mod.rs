@@ -7,6 +7,7 @@ mod fluid;
 mod general;
 mod phi;
 mod root;
+mod series;
 mod state;
 
 use std::sync::Arc;
@@ -28,9 +29,6 @@ pub struct Mechanics {
     /// The most there may be.
     most: u64,
 }
-
-/// Work of a step of a law without a closed form, in steps of one that has it: the ratio of their measured times.
-const GENERAL_WORK: u64 = 8;
 
 /// How the motion is integrated.
 #[derive(Debug, Clone)]
@@ -54,8 +52,8 @@ impl Mechanics {
         Ok(Self { path, sensor: model.sensor.clone(), work: None, most: u64::MAX })
     }
 
-    /// The same, adding the work of every simulation to a counter: steps and events, those of a law without a closed form
-    /// counted eightfold. It depends on nothing but model, commands and times, unlike a clock.
+    /// The same, adding the work of every simulation to a counter: steps of a law with a closed form, and iterations of one
+    /// without, those in the location of events too. It depends on nothing but model, commands and times, unlike a clock.
     #[must_use]
     pub fn counting(self, work: &Arc<AtomicU64>) -> Self {
         Self { work: Some(Arc::clone(work)), ..self }
@@ -74,7 +72,7 @@ impl Mechanics {
 
     /// Moves `state` through `segment` from `from_s` to `to_s`, absolute times within it.
     #[inline]
-    pub(crate) fn run(&self, segment: &Segment, from_s: f64, to_s: f64, state: &mut State) -> i32 {
+    pub(crate) fn run(&self, segment: &Segment, from_s: f64, to_s: f64, state: &mut State) -> u64 {
         let (from_s, to_s) = (from_s - segment.start_s, to_s - segment.start_s);
         match &self.path {
             Path::Exact(flow) => events::run(flow, segment, from_s, to_s, state),
@@ -106,22 +104,21 @@ impl Mechanics {
         let mut state = state.with_motion();
         let mut now_s = start_s - self.sensor.latency_s;
         let mut cursor = timeline.at(now_s);
-        let each = if matches!(self.path, Path::Exact(_)) { 1 } else { GENERAL_WORK };
         for (&sample_s, position) in sample_times_s.iter().zip(positions) {
             let sample_s = sample_s - self.sensor.latency_s;
             if !(sample_s >= now_s && sample_s.is_finite()) {
                 return Err(Error::Time { previous_s: now_s, t_s: sample_s });
             }
-            let mut steps = 0_u64;
+            let mut steps = 0;
             while now_s < sample_s {
                 let segment = cursor.segment(now_s);
                 let end_s = segment.end_s.min(sample_s);
-                steps += u64::from(self.run(segment, now_s, end_s, &mut state).unsigned_abs());
+                steps += self.run(segment, now_s, end_s, &mut state);
                 now_s = end_s;
             }
             *position = self.sensor.distorted(state.position);
             if let Some(work) = &self.work
-                && work.fetch_add(each * steps, Ordering::Relaxed) > self.most
+                && work.fetch_add(steps, Ordering::Relaxed) > self.most
             {
                 return Err(Error::TooStiff);
             }

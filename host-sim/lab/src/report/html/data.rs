@@ -30,6 +30,9 @@ pub struct PlotData {
     pub(super) recordings: Vec<RecordingPlot>,
     /// Residual torque before and after over the channels of state.
     pub(super) maps: Vec<MapPlot>,
+    /// Length of the windows, s; of recordings that differ, the longest.
+    #[serde(skip)]
+    pub(super) window_s: f64,
 }
 
 /// Curves of one recording.
@@ -88,6 +91,7 @@ impl PlotData {
             effort_unit: units.effort,
             recordings: plots.collect(),
             maps: maps::all(&files, &before, after.as_deref(), units),
+            window_s: before.iter().map(|residual| residual.horizon_s).fold(0.0, f64::max),
         })
     }
 }

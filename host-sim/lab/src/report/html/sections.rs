@@ -2,7 +2,6 @@
 
 use super::data::prefix;
 use super::escape::text;
-use super::windows::WINDOW_S;
 use super::words::{estimate, interval, number, p_value, title};
 use super::{MapPlot, PlotData};
 use crate::output::{Input, Provenance};
@@ -103,7 +102,7 @@ pub(super) fn curves(plot: &PlotData) -> String {
         "<p class=\"quiet\">Drag over a stretch to zoom, double-click for the whole; point for values; a name in the legend \
          hides its curve. The models run in windows of {:.0} ms, each from its best start, so a residual that repeats at \
          that period is a steady error and no vibration; shaded spans are those of the table below.</p>{}",
-        1e3 * WINDOW_S,
+        1e3 * plot.window_s,
         each.collect::<String>()
     );
     section("curves", "Recorded, nominal and improved", &body)
@@ -160,7 +159,7 @@ pub(super) fn maps(plot: &PlotData) -> String {
          class=\"grid\">{each}</div>",
         text(plot.effort_name),
         text(plot.effort_unit),
-        1e3 * WINDOW_S
+        1e3 * plot.window_s
     );
     section("maps", &format!("Residual {} over state and time", plot.effort_name), &body)
 }

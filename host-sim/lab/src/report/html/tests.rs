@@ -113,6 +113,7 @@ fn plot() -> PlotData {
         effort_unit: "N m",
         recordings: vec![recording.clone(), recording.clone(), RecordingPlot { held_out: true, ..recording }],
         maps: vec![map],
+        window_s: 0.05,
     }
 }
 

@@ -9,8 +9,8 @@ use crate::Error;
 use crate::read::Recording;
 use crate::residual::{Residual, residual};
 
-/// Length of the windows drawn, s.
-pub(super) const WINDOW_S: f64 = HORIZONS_S[0];
+/// Wished length of the windows drawn, s; longer where the rows are far apart.
+const WINDOW_S: f64 = HORIZONS_S[0];
 
 /// Residuals of a machine in short windows, one for each recording; the first of them is number 0 of the machine's pushes
 /// and phases.
