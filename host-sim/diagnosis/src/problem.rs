@@ -76,8 +76,8 @@ impl Problem {
 }
 
 impl Problem {
-    /// The same with finer substeps.
-    pub(crate) fn finer(&self) -> Self {
+    /// The same with finer substeps, for values that are to be right to their intervals.
+    pub fn finer(&self) -> Self {
         Self {
             nominal: self.nominal.clone(),
             recordings: self.recordings.clone(),

@@ -76,7 +76,7 @@ pub(super) fn fit(
     let (inertia, delay_s) = of_motion(before, steady, motion)?;
     let known = (inertia, delay_s);
     let (dead_time_s, lags_s) = of_field(before, steady, known, steps)?;
-    let both = problem(before, steady, known, &[motion, steps]);
+    let both = problem(before, steady, known, &[motion, steps]).finer();
     let together = |lag: (&'static str, Vec<f64>)| {
         let mut entries = vec![
             ("inertia", vec![inertia]),
