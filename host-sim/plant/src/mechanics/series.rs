@@ -49,8 +49,8 @@ pub(super) fn step(shaft: &ShaftLaw, per_motor_inertia: f64, push: &Push, viscou
     let mut through = shaft.torque(x.contact, x.twist, x.twist_rate);
     let mut decays = push.decays;
     let mut drive = push.constant + decays.iter().map(|decay| decay.0).sum::<f64>();
-    for n in 1..INVERSES.len() {
-        let over = h * INVERSES[n];
+    for inverse in &INVERSES[1..] {
+        let over = h * inverse;
         let motor = (drive - viscous * v + through) * per_motor_inertia;
         let apart = -through * shaft.per_load_inertia - motor;
         position += over * v;
