@@ -120,3 +120,14 @@ fn without_a_torque_every_figure_of_the_answer_is_a_number() {
         assert!(left.predictors.iter().all(|one| one.torque_rms.is_finite()), "{:?}", left.predictors);
     }
 }
+
+#[test]
+fn a_value_whose_interval_holds_the_nominal_one_is_not_away_from_it() {
+    for (viscous, away) in [(0.0, false), (0.03, true)] {
+        let problem = problem(machine(), &Model { viscous, ..machine() }, 0.02);
+        let start = Hypothesis::default().with(find("viscous_friction").unwrap(), vec![0.01]);
+        let found = assess(&problem, refit(&problem, &start, &first_noise(&problem), 10).unwrap()).unwrap();
+        let values = diagnosis::confidence_set::intervals(&found, 0);
+        assert_eq!(found.away_from_neutral(&problem, 0), away, "{viscous}: {values:?}");
+    }
+}
