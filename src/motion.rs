@@ -107,8 +107,9 @@ impl Profile {
         let (wanted, _) = maths::limit(stopping, 0.0, self.top_speed);
         let change = if left < 0.0 { -wanted } else { wanted } - self.speed;
         self.speed += maths::limit(change, -acceleration, acceleration).0;
-        // Two changes of speed are still within what a tick may change by rounding; a faster one passes and comes back.
-        if self.speed.abs() <= 2.0 * acceleration && ahead <= self.speed.abs().max(acceleration) {
+        // Two changes of speed are still within what a tick may change by rounding; a faster one passes and comes back. Where one
+        // change of speed is more than the top speed, that is how far the last tick goes.
+        if self.speed.abs() <= 2.0 * acceleration && ahead <= self.speed.abs().max(acceleration.min(self.top_speed)) {
             *self = Self { top_speed: self.top_speed, acceleration, ..Self::at(target) };
             return target;
         }
