@@ -129,7 +129,8 @@ fn estimated(finer: &Problem, mut found: Found) -> Found {
         };
         let Some(without) = found.best.without(finer, at) else { return found };
         let rise = best.refitted.log_likelihood - without.assessed.refitted.log_likelihood;
-        found.rejected.push(Rejected { effect: hypothesis.entries[at].effect, rise, certain: false });
+        let gain = Some(found.best.windows.gain_over(&without.windows, finer));
+        found.rejected.push(Rejected { effect: hypothesis.entries[at].effect, rise, gain, certain: false });
         found.best = without;
         found.forget(at);
     }

@@ -70,6 +70,8 @@ pub struct Rejected {
     pub effect: &'static Effect,
     /// Log-likelihood that it would add.
     pub rise: f64,
+    /// Relative fall of the windows' root mean square that it would bring; none where the rise is not worth its free values.
+    pub gain: Option<f64>,
     /// Whether chance and its free values do not explain that.
     pub certain: bool,
 }
@@ -176,14 +178,13 @@ fn not_taken(problem: &Problem, from: &Step, to: Refitted, odds: Odds) -> Option
     let effect = to.hypothesis.entries.last()?.effect;
     let rise = to.log_likelihood - from.assessed.refitted.log_likelihood;
     let worth_it = rise > price(problem) * (freedom(&to) - freedom(&from.assessed.refitted));
-    let certain = worth_it && {
-        let entry = to.hypothesis.entries.len() - 1;
-        // What brings the motion no nearer is no part of what is missing.
-        Step::new(problem, to).is_some_and(|next| {
-            p_value(&next.assessed, entry, rise, odds) < LEVEL_OF_A_STEP && gain(problem, &next, from, entry) > 0.0
-        })
-    };
-    Some(Rejected { effect, rise, certain })
+    let entry = to.hypothesis.entries.len() - 1;
+    let next = if worth_it { Step::new(problem, to) } else { None };
+    let gain = next.as_ref().map(|next| self::gain(problem, next, from, entry));
+    // What brings the motion no nearer is no part of what is missing.
+    let certain = gain.is_some_and(|gain| gain > 0.0)
+        && next.is_some_and(|next| p_value(&next.assessed, entry, rise, odds) < LEVEL_OF_A_STEP);
+    Some(Rejected { effect, rise, gain, certain })
 }
 
 /// The step to a hypothesis with one entry more, if it is worth it.

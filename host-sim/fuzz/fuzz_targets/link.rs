@@ -7,6 +7,7 @@
 #[allow(dead_code)]
 mod drive;
 #[path = "../../lab/tests/device/log.rs"]
+// As above.
 #[allow(dead_code)]
 mod log;
 

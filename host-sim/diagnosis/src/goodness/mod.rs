@@ -3,6 +3,7 @@
 use statrs::distribution::{ContinuousCDF, Normal};
 
 use crate::hypothesis::{Refitted, kept};
+use crate::likelihood::filter::HUBER;
 use crate::problem::Problem;
 
 /// How well one channel predicts what is left.
@@ -108,7 +109,7 @@ fn predictor(
     for (index, kept) in path.recordings.iter().enumerate() {
         for block in &problem.blocks[index] {
             for row in block.clone().filter(|&row| kept.innovations.counted[row]) {
-                let whitened = kept.innovations.whitened[row].clamp(-4.0, 4.0);
+                let whitened = kept.innovations.whitened[row].clamp(-HUBER, HUBER);
                 let (fold, cell) = (block_at % FOLDS, bin(values[index][row]));
                 sums[fold][cell].0 += whitened;
                 sums[fold][cell].1 += 1.0;

@@ -27,6 +27,13 @@ pub struct Candidate {
     pub by_chance: f64,
 }
 
+impl Candidate {
+    /// Found among one.
+    fn new(effect: &'static Effect, from: Vec<f64>, values: Vec<f64>, gain: f64) -> Self {
+        Self { entry: Entry { effect, values }, from, gain, tries: 1.0, by_chance: 0.0 }
+    }
+}
+
 /// Scores every start of every effect beside `hypothesis`, along its own pass; best first.
 pub(crate) fn score(
     problem: &Problem,
@@ -156,14 +163,7 @@ fn candidate(
     if effect.parameter(0).searched {
         let other = hypothesis.with(effect, values.clone());
         let found = evaluate(problem, &other.physics(&problem.nominal), &path.noise, problem.fitted)?.fitted(problem);
-        let from = values.clone();
-        return Some(Candidate {
-            entry: Entry { effect, values },
-            from,
-            gain: found - path.log_likelihood(),
-            tries: 1.0,
-            by_chance: 0.0,
-        });
+        return Some(Candidate::new(effect, values.clone(), values, found - path.log_likelihood()));
     }
     let response = |values: &[f64]| {
         let other = hypothesis.with(effect, values.to_vec()).physics(&problem.nominal);
@@ -174,13 +174,7 @@ fn candidate(
         Columns::Whole => {
             let (coefficients, gain) = base.regress(&[response(&values)?])?;
             // Towards less than nothing is no such effect; how far its step reaches only a refit can tell.
-            (coefficients[0] > 0.0).then(|| Candidate {
-                from: values.clone(),
-                entry: Entry { effect, values },
-                gain,
-                tries: 1.0,
-                by_chance: 0.0,
-            })
+            (coefficients[0] > 0.0).then(|| Candidate::new(effect, values.clone(), values, gain))
         }
         Columns::Scaled(index) => {
             let (coefficients, gain) = base.regress(&[response(&values)?])?;
@@ -188,7 +182,7 @@ fn candidate(
             let mut values = values;
             let range = effect.ranges(values.len(), &problem.nominal, excitation)[index];
             values[index] = (values[index] * coefficients[0]).max(range.low).min(range.high);
-            Some(Candidate { entry: Entry { effect, values }, from, gain, tries: 1.0, by_chance: 0.0 })
+            Some(Candidate::new(effect, from, values, gain))
         }
         Columns::Each => {
             let ranges = effect.ranges(values.len(), &problem.nominal, excitation);
@@ -209,7 +203,7 @@ fn candidate(
                 let range = ranges[place];
                 values[place] = (values[place] + coefficient * range.scale).max(range.low).min(range.high);
             }
-            Some(Candidate { entry: Entry { effect, values }, from, gain, tries: 1.0, by_chance: 0.0 })
+            Some(Candidate::new(effect, from, values, gain))
         }
     }
 }

@@ -162,7 +162,7 @@ fn channel(name: &str, axis: AxisKind) -> String {
 fn rejected(conclusion: &Conclusion) -> Vec<Rejected> {
     let one = |one: &diagnosis::search::Rejected| Rejected {
         id: one.effect.id.to_owned(),
-        heldout_gain: 0.0,
+        heldout_gain: one.gain,
         why: if one.certain {
             format!(
                 "it would certainly add {:.1} to the log-likelihood, but too little to the motion to be named",

@@ -194,8 +194,8 @@ pub struct Region {
 pub struct Rejected {
     /// Identifier.
     pub id: String,
-    /// Relative fall of the held-out root mean square it would bring, 1.
-    pub heldout_gain: f64,
+    /// Relative fall of the held-out root mean square it would bring, 1; none where its log-likelihood is not worth its values.
+    pub heldout_gain: Option<f64>,
     /// Why not.
     pub why: String,
 }

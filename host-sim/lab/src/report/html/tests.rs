@@ -63,7 +63,7 @@ fn answer(verdict: Verdict) -> Answer {
             share_low: 0.7,
             share_high: 0.9,
         }],
-        rejected: vec![Rejected { id: hostile.clone(), heldout_gain: 0.01, why: hostile.clone() }],
+        rejected: vec![Rejected { id: hostile.clone(), heldout_gain: Some(0.01), why: hostile.clone() }],
         experiment: Some(Experiment {
             text: hostile.clone(),
             separates: vec![hostile.clone()],
