@@ -4,8 +4,9 @@ use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use crate::effects::{Excitation, measured};
+use crate::likelihood::filter::Prepared;
 use crate::likelihood::inverse::Motion;
-use crate::likelihood::{Grid, Lately, Rounding};
+use crate::likelihood::{Acting, Grid, Lately, Rounding};
 use crate::physics::Physics;
 use crate::recorded::Recorded;
 
@@ -24,6 +25,9 @@ pub struct Problem {
     pub(crate) lately: Vec<Lately>,
     /// The motion of each recording, given, where the torque column may be a measurement; else empty, and the torque is a command.
     pub motions: Vec<Motion>,
+    /// How much earlier than a command held to the next row the torque column acts in each recording, s: a measurement is a
+    /// sample, and stands for half a row to either side.
+    pub(crate) early_s: Vec<f64>,
     /// Row ranges of the blocks of each recording.
     pub blocks: Vec<Vec<Range<usize>>>,
     /// What the motion excites.
@@ -49,12 +53,13 @@ const BLOCK_S: f64 = 0.25;
 impl Problem {
     /// Prepares recordings; `resolution` is the sensor's step, rad (m).
     pub fn new(nominal: Physics, recordings: Vec<Recorded>, fitted: usize, resolution: f64, linear: bool) -> Self {
-        let grids = recordings.iter().map(Grid::new).collect();
+        let grids: Vec<Grid> = recordings.iter().map(Grid::new).collect();
         let lately = recordings.iter().map(|_| Lately::default()).collect();
         let blocks = recordings.iter().map(blocks).collect();
         let excerpts = recordings.iter().map(|recorded| stretches(recorded.rows())).collect();
         let excitation = Excitation { step: resolution, ..excitation(&recordings, fitted, linear) };
         let motions = if measured(&nominal, &excitation) { motions(&recordings, resolution) } else { Vec::new() };
+        let early_s = early(&nominal, &recordings, &grids, &motions, resolution);
         // Without steps, what double precision keeps of the travel.
         let least_sensor_sd =
             Rounding::white_sd(resolution).max(1e-9 * excitation.travel).max(f64::MIN_POSITIVE.sqrt());
@@ -64,6 +69,7 @@ impl Problem {
             fitted,
             grids,
             lately,
+            early_s,
             blocks,
             excitation,
             least_sensor_sd,
@@ -85,6 +91,7 @@ impl Problem {
             grids: self.recordings.iter().map(Grid::finer).collect(),
             lately: self.recordings.iter().map(|_| Lately::default()).collect(),
             motions: self.motions.clone(),
+            early_s: self.early_s.clone(),
             blocks: self.blocks.clone(),
             excitation: self.excitation.clone(),
             step: self.step,
@@ -142,6 +149,30 @@ const FEWEST_RESIDUALS: usize = 20;
 fn motions(recordings: &[Recorded], resolution: f64) -> Vec<Motion> {
     let all: Vec<Motion> = recordings.iter().map(|recorded| Motion::new(recorded, resolution)).collect();
     if all.iter().all(|motion| motion.residuals() >= FEWEST_RESIDUALS) { all } else { Vec::new() }
+}
+
+/// Whether a torque column that may be a measurement is one, or commands held from row to row: what the nominal machine makes
+/// likelier, with the noise of each recording. Half a row between them would be taken for a skew of the channels.
+fn early(nominal: &Physics, recordings: &[Recorded], grids: &[Grid], motions: &[Motion], resolution: f64) -> Vec<f64> {
+    let half_rows: Vec<f64> = if motions.is_empty() {
+        vec![0.0; grids.len()]
+    } else {
+        grids.iter().map(|grid| 0.5 * grid.period_s).collect()
+    };
+    let log_likelihood = |early_s: &[f64]| -> f64 {
+        let of = |(index, motion): (usize, &Motion)| {
+            let (recorded, grid) = (&recordings[index], &grids[index]);
+            let prepared = Prepared::new(nominal, index, resolution);
+            let acting = Acting::new(nominal, index, recorded, grid, early_s[index], &Lately::default())?;
+            let residual = prepared.residual(motion, recorded, grid, &acting);
+            let noise = prepared.likeliest_noise(motion, recorded, &residual);
+            let innovations = prepared.whiten(motion, recorded, &residual, &noise);
+            Some(innovations.log_likelihood.iter().sum::<f64>())
+        };
+        motions.iter().enumerate().filter_map(of).sum()
+    };
+    let held = vec![0.0; grids.len()];
+    if log_likelihood(&held) > log_likelihood(&half_rows) { held } else { half_rows }
 }
 
 fn stretches(rows: usize) -> Vec<Range<usize>> {

@@ -131,3 +131,11 @@ fn a_value_whose_interval_holds_the_nominal_one_is_not_away_from_it() {
         assert_eq!(found.away_from_neutral(&problem, 0), away, "{viscous}: {values:?}");
     }
 }
+
+#[test]
+fn commands_that_are_held_are_no_measurements_half_a_row_late() {
+    // Without any delay the torque column may be a measurement; here each torque is held to the next row.
+    let prompt = Model { torque_delay_s: 0.0, ..machine() };
+    let found = diagnose(&problem(prompt.clone(), &prompt, 0.02), &VOCABULARY).unwrap();
+    assert_eq!(found.verdict, Verdict::None, "{:?}", found.effects);
+}

@@ -79,9 +79,8 @@ fn pass(
 
 /// What acts in a recording.
 fn acting(problem: &Problem, physics: &Physics, index: usize) -> Option<Acting> {
-    let measured = !problem.motions.is_empty();
     let (recorded, grid) = (&problem.recordings[index], &problem.grids[index]);
-    Acting::new(physics, index, recorded, grid, measured, &problem.lately[index])
+    Acting::new(physics, index, recorded, grid, problem.early_s[index], &problem.lately[index])
 }
 
 /// What a look along a given motion costs of a filter's substep: measured, a row against four substeps.

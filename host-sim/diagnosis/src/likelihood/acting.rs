@@ -101,19 +101,18 @@ impl<C: PartialEq, R> Memo<C, R> {
 }
 
 impl Acting {
-    /// For one recording of a machine, or none for a model that the plant refuses. A command is held from its row to the next; a
-    /// measurement is a sample, and stands for half a row to either side.
+    /// For one recording of a machine, or none for a model that the plant refuses. A command is held from its row to the next, and
+    /// all of them act so many seconds early.
     pub fn new(
         physics: &Physics,
         index: usize,
         recorded: &Recorded,
         grid: &Grid,
-        measured: bool,
+        early_s: f64,
         lately: &Lately,
     ) -> Option<Self> {
         let model = physics.model_of(index);
         model.validate().ok()?;
-        let early_s = if measured { 0.5 * grid.period_s } else { 0.0 };
         let latency_s = model.sensor.latency_s;
         let (of_drive, of_fluid) = halves(model);
         let drive = CauseOfDrive {
