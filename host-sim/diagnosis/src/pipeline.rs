@@ -3,9 +3,9 @@
 use crate::confidence_set::{Comparison, Interval, Step, excluded, intervals};
 use crate::effects::{Effect, VOCABULARY};
 use crate::goodness::{Predictor, predictors};
-use crate::hypothesis::{Entry, Hypothesis, Refitted};
+use crate::hypothesis::{Entry, Hypothesis, Refitted, refit};
 use crate::problem::Problem;
-use crate::search::{Found, LEVEL_OF_A_STEP, Rejected, SMALLEST_GAIN, search};
+use crate::search::{Found, LEVEL_OF_A_STEP, Rejected, SMALLEST_GAIN, first_noise, search};
 use crate::verdict::{Standing, Verdict, verdict};
 
 /// One effect of the answer.
@@ -87,7 +87,38 @@ fn equivalent(
     all
 }
 
-/// Diagnoses; none where no pass over the recordings is finite.
+/// Diagnoses, and returns the problem as its torque column was read: where it may be a measurement, and is held like a command, also
+/// as commands. That reading shows what is faster than the other's band, but takes its noise to be white up to the sampling rate:
+/// it is believed if it leaves nothing predictable, or predicts what judges by a relevant part better. None where no pass over the
+/// recordings is finite.
+pub fn diagnose_as_read(problem: Problem, vocabulary: &[&'static Effect]) -> Option<(Problem, Conclusion)> {
+    let measured = diagnose(&problem, vocabulary)?;
+    let Some(commands) = problem.as_commands() else { return Some((problem, measured)) };
+    commands.spend(problem.work() as usize);
+    let commanded = diagnose(&commands, vocabulary);
+    let believed = commanded.filter(|commanded| {
+        commanded.remainder.is_none() || predicts_better(&commands, &commanded.best, &measured.best).unwrap_or(true)
+    });
+    Some(match believed {
+        Some(commanded) => (commands, commanded),
+        None => (problem, measured),
+    })
+}
+
+/// Refits of the other reading's values: they are at an optimum already, but not at this one's.
+const STEPS_OF_THE_OTHER: usize = 2;
+
+/// Whether a hypothesis predicts the windows that judge by a relevant part better than the other reading's, at no horizon worse; none
+/// where the other cannot be followed.
+fn predicts_better(commands: &Problem, own: &Step, other: &Step) -> Option<bool> {
+    let Refitted { hypothesis, .. } = &other.assessed.refitted;
+    let other = Step::new(commands, refit(commands, hypothesis, &first_noise(commands), STEPS_OF_THE_OTHER)?)?;
+    let better = own.windows.gain_over(&other.windows, commands) >= SMALLEST_GAIN;
+    let worse = other.windows.gain_over(&own.windows, commands) >= SMALLEST_GAIN;
+    Some(better && !worse)
+}
+
+/// Diagnoses a problem as it is read; none where no pass over the recordings is finite.
 pub fn diagnose(problem: &Problem, vocabulary: &[&'static Effect]) -> Option<Conclusion> {
     let found = search(problem, vocabulary)?;
     // A motion that is given is not integrated.
@@ -196,7 +227,8 @@ fn named(problem: &Problem, found: &Found) -> (Vec<Named>, Vec<Hypothesis>) {
             recording: (entry.effect.span)(&entry.values).map(|(recording, ..)| recording),
         });
     }
-    effects.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+    // An event's gain is that of the windows around it: what holds always comes first.
+    effects.sort_by(|a, b| a.effect.once.cmp(&b.effect.once).then(b.gain.total_cmp(&a.gain)));
     in_the_set.sort_by(|a, b| a.0.total_cmp(&b.0));
     let others = in_the_set.into_iter().map(|(_, hypothesis)| hypothesis);
     (effects, std::iter::once(best.refitted.hypothesis.clone()).chain(others).collect())
@@ -219,16 +251,19 @@ fn torque_rms(problem: &Problem, refitted: &Refitted) -> f64 {
     (squares / count.max(1) as f64).sqrt()
 }
 
-/// What is left, if a channel predicts a relevant part of it, or if another effect certainly adds to the likelihood, a relevant
-/// part of what was gained, without being worth a name.
+/// What is left, if a channel predicts a relevant part of it, or if a channel or another effect certainly adds to the likelihood a
+/// relevant part of what was gained, without being worth a name.
 fn remainder(problem: &Problem, found: &Found) -> Option<Remainder> {
     let refitted = &found.best.assessed.refitted;
     let all = predictors(problem, refitted);
     let level = LEVEL_OF_A_STEP / all.len().max(1) as f64;
-    let predictors: Vec<Predictor> =
-        all.into_iter().filter(|one| one.p_value < level && one.share >= SMALLEST_GAIN).collect();
     let gained = refitted.log_likelihood - found.nominal.assessed.refitted.log_likelihood;
-    let unnamed = found.rejected.iter().filter(|one| one.certain && gained > 0.0 && one.rise >= SMALLEST_GAIN * gained);
+    let part = |rise: f64| gained > 0.0 && rise >= SMALLEST_GAIN * gained;
+    let worth_it = |one: &Predictor| one.p_value < level && one.rise > problem.price() * one.freedom as f64;
+    // A memory of the noise is no physics that was left out until it is a relevant part of what is left.
+    let relevant = |one: &Predictor| one.share >= SMALLEST_GAIN || (one.torque_rms.is_some() && part(one.rise));
+    let predictors: Vec<Predictor> = all.into_iter().filter(|one| worth_it(one) && relevant(one)).collect();
+    let unnamed = found.rejected.iter().filter(|one| one.certain && part(one.rise));
     let unnamed: Vec<&'static Effect> = unnamed.map(|one| one.effect).collect();
     (!predictors.is_empty() || !unnamed.is_empty()).then(|| Remainder {
         torque_rms: torque_rms(problem, refitted),

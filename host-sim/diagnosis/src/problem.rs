@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use crate::effects::{Excitation, measured};
+use crate::effects::Excitation;
 use crate::likelihood::filter::Prepared;
 use crate::likelihood::inverse::Motion;
 use crate::likelihood::{Acting, Grid, Lately, Rounding};
@@ -57,8 +57,9 @@ impl Problem {
         let lately = recordings.iter().map(|_| Lately::default()).collect();
         let blocks = recordings.iter().map(blocks).collect();
         let excerpts = recordings.iter().map(|recorded| stretches(recorded.rows())).collect();
-        let excitation = Excitation { step: resolution, ..excitation(&recordings, fitted, linear) };
-        let motions = if measured(&nominal, &excitation) { motions(&recordings, resolution) } else { Vec::new() };
+        let motions = if may_be_measured(&nominal) { motions(&recordings, resolution) } else { Vec::new() };
+        let measured = may_be_measured(&nominal);
+        let excitation = Excitation { step: resolution, measured, ..excitation(&recordings, fitted, linear) };
         let early_s = early(&nominal, &recordings, &grids, &motions, resolution);
         // Without steps, what double precision keeps of the travel.
         let least_sensor_sd =
@@ -84,11 +85,24 @@ impl Problem {
 impl Problem {
     /// The same with finer substeps, for values that are to be right to their intervals.
     pub fn finer(&self) -> Self {
+        Self { grids: self.recordings.iter().map(Grid::finer).collect(), ..self.copied() }
+    }
+
+    /// The same with the torque column read as commands, held from row to row, and the motion as their response; none where it is
+    /// read so already, or where samples of a torque are likelier.
+    pub fn as_commands(&self) -> Option<Self> {
+        let held = self.early_s.iter().all(|early_s| *early_s == 0.0);
+        let excitation = Excitation { measured: false, ..self.excitation.clone() };
+        (held && !self.motions.is_empty()).then(|| Self { motions: Vec::new(), excitation, ..self.copied() })
+    }
+
+    /// The same, with nothing computed or spent.
+    fn copied(&self) -> Self {
         Self {
             nominal: self.nominal.clone(),
             recordings: self.recordings.clone(),
             fitted: self.fitted,
-            grids: self.recordings.iter().map(Grid::finer).collect(),
+            grids: self.grids.clone(),
             lately: self.recordings.iter().map(|_| Lately::default()).collect(),
             motions: self.motions.clone(),
             early_s: self.early_s.clone(),
@@ -140,6 +154,18 @@ impl Problem {
             self.motions[..self.fitted].iter().map(Motion::residuals).sum()
         }
     }
+}
+
+impl Problem {
+    /// Log-likelihood that a free value must bring to rank as high without it (Schwarz 1978).
+    pub(crate) fn price(&self) -> f64 {
+        0.5 * (self.residuals().max(2) as f64).ln()
+    }
+}
+
+/// A machine whose model has no drive between the torque column and the rotor: that column may be a measurement.
+fn may_be_measured(nominal: &Physics) -> bool {
+    nominal.model.torque_delay_s == 0.0 && nominal.model.er.is_none()
 }
 
 /// Fewest residual torques of a recording: with fewer its noise is not known to 15 %.

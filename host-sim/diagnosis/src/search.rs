@@ -1,17 +1,19 @@
 //! Forward selection with refits of the few, then backward elimination.
 
 mod around;
+mod neighbourhood;
 
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-use crate::confidence_set::{Assessed, Comparison, Step, compare, excluded};
+use crate::confidence_set::{Assessed, Comparison, Step};
 use crate::effects::{Effect, NUISANCES};
-use crate::hypothesis::{Entry, Hypothesis, Refitted, noise_of, refit};
+use crate::hypothesis::{Entry, Hypothesis, Refitted, coloured_noise, noise_of, refit};
 use crate::likelihood::Noise;
 use crate::problem::Problem;
 
 pub use around::Odds;
-use around::{Around, NOT_YET, REFITTED, freedom, price};
+use around::{Around, NOT_YET, freedom};
+use neighbourhood::Neighbourhood;
 
 /// Most effects of one hypothesis: twice what the hardest case of the proof conceals.
 const MOST_EFFECTS: usize = 6;
@@ -79,11 +81,9 @@ pub struct Rejected {
 /// Noise to begin with.
 pub fn first_noise(problem: &Problem) -> Vec<Noise> {
     let torque = problem.excitation.torque_rms.max(f64::MIN_POSITIVE.sqrt());
-    let begin = Noise {
-        sensor_sd: problem.least_sensor_sd,
-        // A tenth of the torque each sample: a search goes on from there.
-        torque_density: (0.1 * torque).powi(2) * problem.excitation.period_s,
-    };
+    // A tenth of the torque each sample: a search goes on from there.
+    let density = (0.1 * torque).powi(2) * problem.excitation.period_s;
+    let begin = Noise::white(problem.least_sensor_sd, density);
     let all = problem.recordings.len();
     noise_of(problem, &problem.nominal, &vec![begin; all], 4.0, 0..all)
 }
@@ -103,7 +103,7 @@ pub fn p_value(assessed: &Assessed, entry: usize, gain: f64, odds: Odds) -> f64 
         return 1.0;
     }
     let single = ChiSquared::new(freedom).map_or(1.0, |chi| chi.sf(statistic));
-    (single * odds.tries * crate::effects::VOCABULARY.len() as f64).max(odds.by_chance).min(1.0)
+    ((single * odds.tries).max(odds.by_chance) * crate::effects::VOCABULARY.len() as f64).min(1.0)
 }
 
 /// The nominal machine with what others would stand in for where it is missing; none where it can have nothing of the kind.
@@ -129,12 +129,33 @@ pub fn search(problem: &Problem, vocabulary: &[&'static Effect]) -> Option<Found
         let around_first = Around::new(&first, vocabulary);
         ends.push(forward(problem, vocabulary, first, &around_first));
     }
-    let worth = |end: &Forward| {
-        let at = &end.best.assessed;
-        at.total() - price(problem) * at.freedom() as f64
+    let mut end = ends.into_iter().max_by(|a, b| priced(problem, &a.best).total_cmp(&priced(problem, &b.best)))?;
+    // A memory of the noise is looked for when nothing is missing that it would stand in for.
+    let Some(coloured) = coloured(problem, &end.best) else {
+        return Some(Neighbourhood::new(problem, vocabulary, &nominal, Some(&around_nominal), end).found());
     };
-    let best = ends.into_iter().max_by(|a, b| worth(a).total_cmp(&worth(b)))?;
-    neighbourhood(problem, vocabulary, nominal, &around_nominal, best)
+    let noise = &coloured.assessed.refitted.noise;
+    let nominal = Step::new(problem, refit(problem, &Hypothesis::default(), noise, COLOURED_STEPS)?)?;
+    end.best = coloured;
+    Some(Neighbourhood::new(problem, vocabulary, &nominal, None, end).found())
+}
+
+/// Steps of a refit under noise of another kind.
+const COLOURED_STEPS: usize = 10;
+
+/// The same hypothesis under noise that has a memory; none where that makes no recording likelier.
+fn coloured(problem: &Problem, step: &Step) -> Option<Step> {
+    let Refitted { hypothesis, noise, .. } = &step.assessed.refitted;
+    let coloured = coloured_noise(problem, &hypothesis.physics(&problem.nominal), noise);
+    if coloured == *noise {
+        return None;
+    }
+    Step::new(problem, refit(problem, hypothesis, &coloured, COLOURED_STEPS)?)
+}
+
+/// Log-likelihood with a price on each free value.
+fn priced(problem: &Problem, step: &Step) -> f64 {
+    step.assessed.total() - problem.price() * step.assessed.freedom() as f64
 }
 
 /// The end of a forward selection.
@@ -177,7 +198,7 @@ fn forward(problem: &Problem, vocabulary: &[&'static Effect], from: Step, around
 fn not_taken(problem: &Problem, from: &Step, to: Refitted, odds: Odds) -> Option<Rejected> {
     let effect = to.hypothesis.entries.last()?.effect;
     let rise = to.log_likelihood - from.assessed.refitted.log_likelihood;
-    let worth_it = rise > price(problem) * (freedom(&to) - freedom(&from.assessed.refitted));
+    let worth_it = rise > problem.price() * (freedom(&to) - freedom(&from.assessed.refitted));
     let entry = to.hypothesis.entries.len() - 1;
     let next = if worth_it { Step::new(problem, to) } else { None };
     let gain = next.as_ref().map(|next| self::gain(problem, next, from, entry));
@@ -190,7 +211,7 @@ fn not_taken(problem: &Problem, from: &Step, to: Refitted, odds: Odds) -> Option
 /// The step to a hypothesis with one entry more, if it is worth it.
 fn worth(problem: &Problem, from: &Step, to: &Refitted, odds: Odds) -> Option<(Step, (f64, f64))> {
     let rise = to.log_likelihood - from.assessed.refitted.log_likelihood;
-    if rise.is_nan() || rise <= price(problem) {
+    if rise.is_nan() || rise <= problem.price() {
         return None;
     }
     let next = Step::new(problem, to.clone())?;
@@ -223,84 +244,4 @@ fn gain(problem: &Problem, with: &Step, without: &Step, entry: usize) -> f64 {
 fn nuisances(vocabulary: &[&'static Effect]) -> impl Iterator<Item = &'static Effect> {
     let named: Vec<&'static str> = vocabulary.iter().map(|effect| effect.id).collect();
     NUISANCES.iter().copied().filter(move |one| !one.alike.iter().any(|id| named.contains(id)))
-}
-
-/// Drops what is not missed, refits what may stand in the place of each entry, and goes on from a simpler one that these
-/// recordings do not tell from the best.
-// Over 40 lines: one pass over the entries that begins again where one of them goes.
-fn neighbourhood(
-    problem: &Problem,
-    vocabulary: &[&'static Effect],
-    nominal: Step,
-    around_nominal: &Around,
-    Forward { mut best, mut tried, rejected }: Forward,
-) -> Option<Found> {
-    let mut evidence = Vec::new();
-    let mut rivals: Vec<Rival> = Vec::new();
-    let mut at = 0;
-    while at < best.assessed.refitted.hypothesis.entries.len() {
-        if problem.is_spent() {
-            // What was not looked at any more is told as found, without rivals.
-            evidence.extend(tried[at..].iter().map(|odds| odds.taken));
-            break;
-        }
-        let hypothesis = &best.assessed.refitted.hypothesis;
-        let without = if hypothesis.entries.len() == 1 {
-            Some(nominal.clone())
-        } else {
-            let refitted = refit(problem, &hypothesis.without(at), &best.assessed.refitted.noise, 10);
-            refitted.and_then(|refitted| Step::new(problem, refitted))
-        };
-        // What another entry stands on, as an asymmetry on its friction, cannot be dropped.
-        let Some(without) = without else {
-            evidence.push(tried[at].taken);
-            at += 1;
-            continue;
-        };
-        let gain = gain(problem, &best, &without, at);
-        let rise = best.assessed.refitted.log_likelihood - without.assessed.refitted.log_likelihood;
-        let p = p_value(&best.assessed, at, rise, tried[at]);
-        if p > LEVEL_OF_A_STEP || gain < SMALLEST_GAIN || !best.assessed.away_from_neutral(problem, at) {
-            tried.remove(at);
-            (best, at) = (without, 0);
-            evidence.clear();
-            rivals.clear();
-            continue;
-        }
-        let own = hypothesis.entries[at].effect;
-        let others: Vec<&'static Effect> =
-            vocabulary.iter().copied().filter(|effect| *effect != own).chain(nuisances(vocabulary)).collect();
-        let found = if hypothesis.entries.len() == 1 {
-            around_nominal.extended(problem, &others)
-        } else {
-            Around::new(&without, &others).extended(problem, &others)
-        };
-        // What does not explain what is missing here by itself is no rival, however little tells it apart.
-        let floor = without.assessed.refitted.log_likelihood;
-        let rival = |(one, odds): (Refitted, Odds)| {
-            let (rise, last) = (one.log_likelihood - floor, one.hypothesis.entries.len() - 1);
-            let rival = Step::new(problem, one)?;
-            let relevant = self::gain(problem, &rival, &without, last) >= SMALLEST_GAIN;
-            (relevant && p_value(&rival.assessed, last, rise, odds) < LEVEL_OF_A_STEP).then_some(rival)
-        };
-        let found: Vec<Step> = found.into_iter().take(REFITTED).filter_map(rival).collect();
-        let comparisons: Vec<Comparison> = found.iter().map(|rival| compare(problem, &best, rival)).collect();
-        let mut rivals_in_the_set = found.iter().zip(excluded(&comparisons)).filter(|(_, out)| !out);
-        let simpler = rivals_in_the_set
-            .find(|(rival, _)| rival.may_be_named() && rival.assessed.freedom() < best.assessed.freedom());
-        if let Some((simpler, _)) = simpler {
-            // The new entry stands last.
-            tried.remove(at);
-            tried.push(Odds { tries: 1.0, by_chance: 0.0, taken: NOT_YET });
-            (best, at) = (simpler.clone(), 0);
-            evidence.clear();
-            rivals.clear();
-            continue;
-        }
-        let rival = |(step, behind)| Rival { place: at, step, behind };
-        rivals.extend(found.into_iter().zip(comparisons).map(rival));
-        evidence.push((p, gain));
-        at += 1;
-    }
-    Some(Found { nominal, best, looked_at: at, evidence, rivals, rejected })
 }

@@ -3,17 +3,18 @@
 
 mod common;
 
-use common::{Making, STEP_RAD, recording};
+use common::{Making, PLAIN, STEP_RAD, recording};
 use diagnosis::confidence_set::assess;
 use diagnosis::effects::{VOCABULARY, find};
 use diagnosis::hypothesis::{Hypothesis, evaluate, refit};
 use diagnosis::physics::Physics;
-use diagnosis::pipeline::diagnose;
+use diagnosis::pipeline::{diagnose, diagnose_as_read};
 use diagnosis::problem::Problem;
 use diagnosis::search::{first_noise, nominal};
 use diagnosis::verdict::Verdict;
 use diagnosis::windows::WindowFit;
 use plant::Model;
+use plant::effects::Shaft;
 
 const SECONDS: f64 = 4.0;
 
@@ -33,7 +34,11 @@ fn problem(nominal: Model, actual: &Model, noise_nm: f64) -> Problem {
 }
 
 fn seen_by(step_rad: f64, nominal: Model, actual: &Model, noise_nm: f64) -> Problem {
-    let making = Making { torque, seconds: SECONDS, noise_nm, step_rad };
+    made(Making { torque, seconds: SECONDS, noise_nm, step_rad, ..PLAIN }, nominal, actual)
+}
+
+fn made(making: Making, nominal: Model, actual: &Model) -> Problem {
+    let step_rad = making.step_rad;
     let recordings = (1..=3).map(|seed| recording(actual, making, seed)).collect();
     Problem::new(Physics::new(nominal), recordings, 2, step_rad, false)
 }
@@ -117,7 +122,8 @@ fn without_a_torque_every_figure_of_the_answer_is_a_number() {
     let found = diagnose(&problem, &VOCABULARY).unwrap();
     if let Some(left) = &found.remainder {
         assert!(left.torque_rms.is_finite());
-        assert!(left.predictors.iter().all(|one| one.torque_rms.is_finite()), "{:?}", left.predictors);
+        let finite = |rms: Option<f64>| rms.is_none_or(f64::is_finite);
+        assert!(left.predictors.iter().all(|one| finite(one.torque_rms)), "{:?}", left.predictors);
     }
 }
 
@@ -137,5 +143,56 @@ fn commands_that_are_held_are_no_measurements_half_a_row_late() {
     // Without any delay the torque column may be a measurement; here each torque is held to the next row.
     let prompt = Model { torque_delay_s: 0.0, ..machine() };
     let found = diagnose(&problem(prompt.clone(), &prompt, 0.02), &VOCABULARY).unwrap();
-    assert_eq!(found.verdict, Verdict::None, "{:?}", found.effects);
+    assert_eq!(found.verdict, Verdict::None, "{:?} {:?}", found.effects, found.remainder);
+}
+
+#[test]
+fn torque_noise_with_a_memory_is_noise_and_no_physics() {
+    let (sd, memory_s) = (0.05, 0.01);
+    let making = Making { torque, noise_nm: 0.005, coloured: (sd, memory_s), ..PLAIN };
+    let found = diagnose(&made(making, machine(), &machine()), &VOCABULARY).unwrap();
+    assert_eq!(found.verdict, Verdict::None, "{:?} {:?}", found.effects, found.remainder);
+    for noise in &found.best.assessed.refitted.noise {
+        let colour = noise.colour.unwrap();
+        // 4 s hold 400 memories: both numbers are known to some 5 to 10 %.
+        assert!((colour.sd / sd - 1.0).abs() < 0.25 && (colour.memory_s / memory_s - 1.0).abs() < 0.35, "{colour:?}");
+    }
+}
+
+/// White noise in its place takes each sample for new evidence: its intervals would hold the truth in half of the cases.
+#[test]
+fn intervals_know_of_the_memory_of_the_noise() {
+    let actual = Model { viscous: 0.03, ..machine() };
+    let making = Making { torque, noise_nm: 0.005, coloured: (0.1, 0.02), ..PLAIN };
+    let found = diagnose(&made(making, machine(), &actual), &VOCABULARY).unwrap();
+    assert_eq!(found.effects.first().unwrap().effect.id, "viscous_friction", "{:?}", found.effects);
+    let value = found.effects[0].intervals[0];
+    // Four standard deviations: one seed is no coverage.
+    assert!((value.value - 0.03).abs() < 2.0 * (value.high - value.low), "{value:?}");
+}
+
+#[test]
+fn friction_that_runs_in_is_more_than_friction() {
+    let runs_in = |t_s: f64, speed: f64| -0.1 * (-t_s / 1.5).exp() * (speed / 0.02).tanh();
+    let found =
+        diagnose(&made(Making { torque, beside: runs_in, ..PLAIN }, machine(), &machine()), &VOCABULARY).unwrap();
+    assert!(matches!(found.verdict, Verdict::Partial | Verdict::Unknown | Verdict::Ambiguous), "{:?}", found.effects);
+    let left = found.remainder.unwrap();
+    let first = left.predictors.first().unwrap();
+    assert_eq!(first.channel, "time_by_direction", "{:?}", left.predictors);
+}
+
+/// Inverse dynamics under test functions of 0.1 s see nothing of it.
+#[test]
+fn what_rings_at_sixty_hertz_is_found_where_commands_are_held() {
+    let prompt = Model { torque_delay_s: 0.0, ..machine() };
+    let shaft = Shaft { resonance_hz: 60.0, damping_ratio: 0.05, inertia_ratio: 0.4, gap: 0.0 };
+    let actual = Model { shaft: Some(shaft), ..prompt.clone() };
+    let problem = problem(prompt, &actual, 0.02);
+    assert!(problem.band_hz().unwrap() < 10.0);
+    let (read, found) = diagnose_as_read(problem, &VOCABULARY).unwrap();
+    assert_eq!(read.band_hz(), None);
+    let named = &found.effects[0];
+    assert_eq!(named.effect.id, "compliance", "{:?}", found.effects);
+    assert!((named.intervals[0].value - 60.0).abs() < 0.6, "{:?}", named.intervals);
 }

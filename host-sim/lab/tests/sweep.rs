@@ -178,7 +178,8 @@ fn misled(answer: &Answer, machine: &Machine) -> Option<String> {
     let holds = |effect: &&EffectAnswer| {
         let Some(kind) = find(&effect.id) else { return false };
         let neutral = (kind.neutral)(&nominal);
-        effect.parameters.get(kind.leading).is_some_and(|value| value.low <= neutral && neutral <= value.high)
+        let mut leading = kind.leading.iter().filter_map(|&at| effect.parameters.get(at));
+        leading.all(|value| value.low <= neutral && neutral <= value.high)
     };
     answer.effects.iter().find(holds).map(|effect| format!("named with an interval that holds the nominal: {effect:?}"))
 }

@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::hypothesis::{Hypothesis, Refitted, columns, kept, ranges};
-use crate::likelihood::Noise;
+use crate::likelihood::{Colour, Noise};
 use crate::problem::Problem;
 
 /// A hypothesis with what its blocks say.
@@ -117,7 +117,11 @@ impl Assessed {
             .refitted
             .noise
             .iter()
-            .map(|noise| Noise { torque_density: OTHER_NOISE * noise.torque_density, ..*noise })
+            .map(|noise| Noise {
+                torque_density: OTHER_NOISE * noise.torque_density,
+                colour: noise.colour.map(|colour| Colour { sd: OTHER_NOISE.sqrt() * colour.sd, ..colour }),
+                ..*noise
+            })
             .collect();
         let of = |noise: &[Noise]| {
             let Linearised { scores, information, .. } = linearised(problem, &self.refitted.hypothesis, noise)?;

@@ -66,18 +66,18 @@ fn wrapped(difference: f64) -> f64 {
 }
 
 impl Assessed {
-    /// Whether the interval of an entry's leading value leaves out what it is without the effect, by a relevant size.
+    /// Whether the interval of one of an entry's leading values leaves out what it is without the effect, by a relevant size.
     pub fn away_from_neutral(&self, problem: &Problem, entry: usize) -> bool {
         let entry_at = &self.refitted.hypothesis.entries[entry];
         let effect = entry_at.effect;
         let neutral = (effect.neutral)(&problem.nominal);
         let ranges = effect.ranges(entry_at.values.len(), &problem.nominal, &problem.excitation);
-        intervals(self, entry).get(effect.leading).is_some_and(|first| {
+        let found = intervals(self, entry);
+        effect.leading.iter().filter_map(|&at| Some((at, found.get(at)?))).any(|(at, one)| {
             // A value that is fitted by steps of a typical change, and reported as it is fitted, has a size to be measured by.
-            let same =
-                entry_at.values.get(effect.leading) == Some(&first.value) && effect.parameter(effect.leading).free;
-            let least = if same { SMALLEST_SIZE * ranges[effect.leading].scale } else { 0.0 };
-            !(first.low <= neutral && neutral <= first.high) && (first.value - neutral).abs() >= least
+            let same = entry_at.values.get(at) == Some(&one.value) && effect.parameter(at).free;
+            let least = if same { SMALLEST_SIZE * ranges[at].scale } else { 0.0 };
+            !(one.low <= neutral && neutral <= one.high) && (one.value - neutral).abs() >= least
         })
     }
 }

@@ -23,5 +23,6 @@ pub static EFFECT: Effect = Effect {
     },
     put: |p, v| p.model.shaft = Some(Shaft { gap: v[0], resonance_hz: v[1], damping_ratio: v[2], inertia_ratio: v[3] }),
     measured_by: Some(LOAD_SIDE),
+    remembers: true,
     ..PLAIN
 };

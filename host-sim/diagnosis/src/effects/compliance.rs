@@ -12,13 +12,14 @@ pub static EFFECT: Effect = Effect {
     id: "compliance",
     sentence: "Part of the inertia hangs on a flexible shaft or coupling and resonates.",
     parameters: &[RESONANCE, free(1e-3, 1.0, 0.02), free(1e-2, 5.0, 0.1)],
-    starts: |_, _| {
-        [6.0, 10.0, 15.0, 22.0, 32.0, 45.0, 65.0, 95.0, 140.0]
-            .iter()
-            .flat_map(|&f| [vec![f, 0.03, 0.3], vec![f, 0.1, 1.0]])
-            .collect()
+    starts: |_, e| {
+        // Where the residual rings, and a step of a half from one to the next elsewhere.
+        let rings = e.tones.iter().map(|tone| tone.frequency_hz);
+        let all = rings.chain([6.0, 10.0, 15.0, 22.0, 32.0, 45.0, 65.0, 95.0, 140.0]);
+        all.map(|frequency_hz| vec![frequency_hz, 0.05, 0.5]).collect()
     },
     put: |p, v| p.model.shaft = Some(Shaft { resonance_hz: v[0], damping_ratio: v[1], inertia_ratio: v[2], gap: 0.0 }),
     measured_by: Some(LOAD_SIDE),
+    remembers: true,
     ..PLAIN
 };

@@ -33,7 +33,7 @@ pub static EFFECT: Effect = Effect {
         let same = |(recording, pulse, _): &&(usize, Pulse, f64)| *recording == v[0] as usize && pulse.start_s == v[1];
         e.pulses.iter().find(same).map_or(1.0, |(_, _, chance)| *chance)
     },
-    leading: 2,
+    leading: &[2],
     columns: Columns::Scaled(3),
     once: true,
     ..PLAIN

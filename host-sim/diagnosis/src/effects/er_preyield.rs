@@ -15,5 +15,6 @@ pub static EFFECT: Effect = Effect {
         }
     },
     neutral: |_| f64::INFINITY,
+    remembers: true,
     ..PLAIN
 };

@@ -24,7 +24,7 @@ pub static EFFECT: Effect = Effect {
     put: |p, v| {
         p.with_field(|field| (field.rise_s, field.fall_s) = (v[0], v[1]));
     },
-    leading: 1,
+    leading: &[1],
     neutral: |p| p.field().map_or(0.0, |field| field.fall_s),
     ..PLAIN
 };

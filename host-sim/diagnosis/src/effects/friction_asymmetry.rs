@@ -12,5 +12,6 @@ pub static EFFECT: Effect = Effect {
     starts: |_, _| vec![vec![0.0, 0.0]],
     put: |p, v| p.model.asymmetry = Asymmetry { coulomb: v[0], viscous: v[1] },
     columns: Columns::Each,
+    leading: &[0, 1],
     ..PLAIN
 };

@@ -130,6 +130,8 @@ pub struct Excitation {
     pub recordings: usize,
     /// Rotary or linear.
     pub linear: bool,
+    /// Whether the torque column is read as a measurement.
+    pub measured: bool,
     /// Orders over position that stand out of the residual, best first.
     pub orders: Vec<f64>,
     /// The same of the residual's share that goes along with the drive's torque.
@@ -176,10 +178,10 @@ pub struct Effect {
     pub report: fn(&[f64]) -> Vec<f64>,
     /// From reported to fitted values, for an entry of a machine file in a recording; none for what is no part of a model.
     pub fitted: fn(&[f64], Option<usize>) -> Option<Vec<f64>>,
-    /// The reported value at `leading` of the machine without it.
+    /// The reported values at `leading` of the machine without it.
     pub neutral: fn(&Physics) -> f64,
-    /// Index of the reported value that says how strong it is.
-    pub leading: usize,
+    /// Indices of the reported values that say how strong it is: it is there if one of them is not what it is without it.
+    pub leading: &'static [usize],
     /// How its columns are made.
     pub columns: Columns,
     /// It may stand in a hypothesis more than once.
@@ -188,6 +190,8 @@ pub struct Effect {
     pub span: fn(&[f64]) -> Option<Span>,
     /// It happens once.
     pub once: bool,
+    /// It adds a memory to the machine: what it does from a start is far from what a column promises.
+    pub remembers: bool,
     /// The recording that the value at an index belongs to alone; none for what holds for all of them.
     pub recording_of: fn(&[f64], usize) -> Option<usize>,
     /// Places that were looked at to find its starts, beside the starts themselves.
@@ -215,11 +219,12 @@ pub(crate) const PLAIN: Effect = Effect {
     report: <[f64]>::to_vec,
     fitted: |v, _| Some(v.to_vec()),
     neutral: |_| 0.0,
-    leading: 0,
+    leading: &[0],
     columns: Columns::Whole,
     repeats: false,
     span: |_| None,
     once: false,
+    remembers: false,
     recording_of: |_, _| None,
     looked_at: |_| 1.0,
     by_chance: |_, _| 0.0,
@@ -274,14 +279,14 @@ pub(crate) fn with_field(physics: &Physics, excitation: &Excitation) -> bool {
     physics.model.er.is_some() && excitation.field_peak > 0.0
 }
 
-/// A machine whose torque column is a command, with a drive between it and the rotor.
-pub(crate) fn commanded(physics: &Physics, excitation: &Excitation) -> bool {
-    !measured(physics, excitation)
+/// Recordings whose torque column is read as commands, with a drive between it and the rotor.
+pub(crate) fn commanded(_: &Physics, excitation: &Excitation) -> bool {
+    !excitation.measured
 }
 
-/// A machine whose model has no drive between the torque column and the rotor: that column may be a measurement.
-pub(crate) fn measured(physics: &Physics, _: &Excitation) -> bool {
-    physics.model.torque_delay_s == 0.0 && physics.model.er.is_none()
+/// Recordings whose torque column is read as a measurement.
+pub(crate) fn measured(_: &Physics, excitation: &Excitation) -> bool {
+    excitation.measured
 }
 
 /// The sine of values order, sine, cosine.

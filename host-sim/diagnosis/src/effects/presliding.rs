@@ -11,5 +11,6 @@ pub static EFFECT: Effect = Effect {
     starts: |p, _| [0.0003, 0.001, 0.003, 0.01, 0.03].iter().map(|&v| vec![p.model.coulomb / v]).collect(),
     put: |p, v| p.model.presliding_stiffness = Some(v[0]),
     neutral: |_| f64::INFINITY,
+    remembers: true,
     ..PLAIN
 };

@@ -12,5 +12,6 @@ pub static EFFECT: Effect = Effect {
     parameters: &[searched(1e-6, 0.2), OFF],
     starts: |_, e| e.glitch.iter().map(|&(fraction, size)| vec![fraction, size.max(OFF.low * e.step)]).collect(),
     put: |p, v| p.glitch = Some((v[0], v[1])),
+    once: true,
     ..PLAIN
 };

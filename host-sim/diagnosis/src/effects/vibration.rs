@@ -29,6 +29,6 @@ pub static EFFECT: Effect = Effect {
     columns: Columns::Each,
     recording_of: |_, index| index.checked_sub(1).map(|index| index / 2),
     looked_at: |e| e.looked_at[1],
-    leading: 1,
+    leading: &[1],
     ..PLAIN
 };

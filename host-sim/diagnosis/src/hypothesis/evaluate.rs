@@ -1,7 +1,5 @@
 //! The log-likelihood of a hypothesis, block by block, and the noise that goes with it.
 
-use std::ops::Range;
-
 use rayon::prelude::*;
 
 use crate::likelihood::filter::{Driven, Innovations, Path, Prepared};
@@ -44,7 +42,7 @@ pub fn evaluate(problem: &Problem, physics: &Physics, noise: &[Noise], many: usi
     Some(Evaluation { innovations, blocks })
 }
 
-fn prepare(problem: &Problem, physics: &Physics, index: usize) -> Option<(Prepared, Acting)> {
+pub(super) fn prepare(problem: &Problem, physics: &Physics, index: usize) -> Option<(Prepared, Acting)> {
     Some((Prepared::new(physics, index, problem.step), acting(problem, physics, index)?))
 }
 
@@ -68,7 +66,7 @@ fn pass(
         let residual = residual(problem, index, motion, prepared, acting);
         return (prepared.whiten(motion, &problem.recordings[index], &residual, noise), None);
     }
-    problem.spend(prepared.cost() * problem.grids[index].substeps());
+    problem.spend(prepared.cost(noise) * problem.grids[index].substeps());
     let driven = driven(problem, index, acting);
     if keep == Keep::Innovations {
         return (prepared.run(driven, noise), None);
@@ -86,7 +84,13 @@ fn acting(problem: &Problem, physics: &Physics, index: usize) -> Option<Acting> 
 /// What a look along a given motion costs of a filter's substep: measured, a row against four substeps.
 const OF_A_SUBSTEP: usize = 10;
 
-fn residual(problem: &Problem, index: usize, motion: &Motion, prepared: &Prepared, acting: &Acting) -> Residual {
+pub(super) fn residual(
+    problem: &Problem,
+    index: usize,
+    motion: &Motion,
+    prepared: &Prepared,
+    acting: &Acting,
+) -> Residual {
     problem.spend(problem.grids[index].substeps() / OF_A_SUBSTEP);
     prepared.residual(motion, &problem.recordings[index], &problem.grids[index], acting)
 }
@@ -139,13 +143,29 @@ impl Kept {
                     prepared.difference(&kept.innovations, motion, recorded, &residual, &self.noise[index])
                 }
                 (path, _) => {
-                    problem.spend(prepared.cost() * problem.grids[index].substeps());
+                    problem.spend(prepared.cost(&self.noise[index]) * problem.grids[index].substeps());
                     prepared.response(&kept.prepared, path.as_ref()?, driven(problem, index, &acting))
                 }
             };
             column.iter().all(|value| value.is_finite()).then_some(column)
         };
         self.recordings.iter().enumerate().map(one).collect()
+    }
+
+    /// Response of the whitened innovations of one recording to a torque beside those of the machine, N m (N), one a row.
+    pub(crate) fn response_to_torque(&self, problem: &Problem, index: usize, torques: &[f64]) -> Vec<f64> {
+        let kept = &self.recordings[index];
+        match (&kept.path, problem.motions.get(index)) {
+            (None, Some(motion)) => {
+                let recorded = &problem.recordings[index];
+                kept.prepared.response_to_torque_along(motion, recorded, &self.noise[index], torques)
+            }
+            (Some(path), _) => {
+                problem.spend(kept.prepared.cost(&self.noise[index]) * problem.grids[index].substeps());
+                kept.prepared.response_to_torque(path, driven(problem, index, &kept.acting), torques)
+            }
+            (None, None) => vec![0.0; torques.len()],
+        }
     }
 
     /// Windows of `horizon` rows of one recording, each simulated from the state that was estimated at its start.
@@ -171,77 +191,5 @@ impl Kept {
             }
             (None, None) => MissingTorque::none(driven.grid.substeps()),
         }
-    }
-}
-
-/// The noise of each recording under which a machine is most likely, searched from `from` in steps of 2^`octaves` downwards for
-/// those of `which` and as it is for the others.
-pub fn noise_of(problem: &Problem, physics: &Physics, from: &[Noise], octaves: f64, which: Range<usize>) -> Vec<Noise> {
-    let one = |(index, from): (usize, &Noise)| {
-        let found = which.contains(&index).then(|| noise_of_one(problem, physics, index, from, octaves));
-        found.flatten().unwrap_or(*from)
-    };
-    from.par_iter().enumerate().map(one).collect()
-}
-
-fn noise_of_one(problem: &Problem, physics: &Physics, index: usize, from: &Noise, octaves: f64) -> Option<Noise> {
-    let (prepared, acting) = prepare(problem, physics, index)?;
-    if let Some(motion) = problem.motions.get(index) {
-        let residual = residual(problem, index, motion, &prepared, &acting);
-        return Some(prepared.likeliest_noise(motion, &problem.recordings[index], &residual));
-    }
-    let substeps = problem.grids[index].substeps() / problem.recordings[index].rows().max(1);
-    let score = |noise: &Noise| {
-        let of = |rows: &Range<usize>| -> f64 {
-            let driven = Driven { rows: rows.clone(), ..driven(problem, index, &acting) };
-            problem.spend(prepared.cost() * rows.len() * substeps);
-            prepared.run(driven, noise).log_likelihood.iter().sum()
-        };
-        let sum: f64 = problem.excerpts[index].iter().map(of).sum();
-        if sum.is_finite() { sum } else { f64::NEG_INFINITY }
-    };
-    let mut best = *from;
-    let mut top = score(&best);
-    let mut step = octaves;
-    while step > 0.1 {
-        let before = top;
-        for which in [Which::Torque, Which::Sensor] {
-            // A direction that helps is followed in steps that double.
-            for sign in [1.0, -1.0] {
-                let mut along = sign * step;
-                let began = top;
-                loop {
-                    let tried = changed(&best, which, along, problem.least_sensor_sd);
-                    let found = if tried == best { top } else { score(&tried) };
-                    if found <= top + 1e-3 {
-                        break;
-                    }
-                    (best, top) = (tried, found);
-                    along *= 2.0;
-                }
-                if top > began {
-                    break;
-                }
-            }
-        }
-        if top - before < 0.5 {
-            step *= 0.5;
-        }
-    }
-    Some(best)
-}
-
-#[derive(Clone, Copy)]
-enum Which {
-    Torque,
-    Sensor,
-}
-
-/// With a standard deviation larger by `octaves` powers of two.
-fn changed(noise: &Noise, which: Which, octaves: f64, least_sensor_sd: f64) -> Noise {
-    let factor = octaves.exp2();
-    match which {
-        Which::Torque => Noise { torque_density: noise.torque_density * factor * factor, ..*noise },
-        Which::Sensor => Noise { sensor_sd: (noise.sensor_sd * factor).max(least_sensor_sd), ..*noise },
     }
 }

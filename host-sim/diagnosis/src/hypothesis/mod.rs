@@ -1,14 +1,16 @@
 //! A hypothesis: effects with values on top of the nominal machine.
 
 mod evaluate;
+mod noise_fit;
 mod refit;
 
 use crate::effects::Effect;
 use crate::physics::Physics;
 use crate::problem::Problem;
 
-pub use evaluate::{Evaluation, evaluate, noise_of};
+pub use evaluate::{Evaluation, evaluate};
 pub(crate) use evaluate::{Kept, KeptRecording, kept};
+pub use noise_fit::{coloured_noise, noise_of};
 pub use refit::{Refitted, refit};
 pub(crate) use refit::{columns, ranges};
 

@@ -5,7 +5,8 @@ use std::ops::Range;
 use nalgebra::{DMatrix, DVector};
 
 use super::Hypothesis;
-use super::evaluate::{Evaluation, Kept, KeptRecording, evaluate, kept, noise_of};
+use super::evaluate::{Evaluation, Kept, KeptRecording, evaluate, kept};
+use super::noise_fit::noise_of;
 use crate::likelihood::filter::HUBER;
 use crate::likelihood::{Innovations, Noise};
 use crate::physics::Physics;

@@ -23,12 +23,12 @@ impl Prepared {
 
     fn respond<const N: usize>(&self, base: &Self, stored: &Stored<N>, driven: Driven<'_>) -> Vec<f64> {
         if self.laws.states == base.laws.states {
-            self.linear_pass(base, stored, driven, |step, substep| {
+            self.linear_pass(base, stored, driven, |_, step, substep| {
                 self.laws.mean(&step.from, substep, step.linear.speed_sd, step.linear.twist_sd)
             })
         } else {
             let mut inside = [0.0; MOST_STATES];
-            self.linear_pass(base, stored, driven, |step, substep| {
+            self.linear_pass(base, stored, driven, |_, step, substep| {
                 inside[..BASE].copy_from_slice(&step.from[..BASE]);
                 let next = self.laws.mean(&inside, substep, step.linear.speed_sd, 0.0);
                 self.laws.carry(&mut inside, &next, step.to[POSITION], step.to[SPEED]);
@@ -37,6 +37,28 @@ impl Prepared {
                 moved
             })
         }
+    }
+
+    /// What each row's whitened innovation would change if a torque acted beside those of the machine: in the interval behind each
+    /// row the one given for it, N m (N), felt as far as dry friction lets it.
+    pub(crate) fn response_to_torque(&self, path: &Path, driven: Driven<'_>, torques: &[f64]) -> Vec<f64> {
+        match path {
+            Path::Three(stored) => self.respond_to_torque(stored, driven, torques),
+            Path::Four(stored) => self.respond_to_torque(stored, driven, torques),
+            Path::Five(stored) => self.respond_to_torque(stored, driven, torques),
+            Path::Six(stored) => self.respond_to_torque(stored, driven, torques),
+            Path::Most(stored) => self.respond_to_torque(stored, driven, torques),
+        }
+    }
+
+    fn respond_to_torque<const N: usize>(&self, stored: &Stored<N>, driven: Driven<'_>, torques: &[f64]) -> Vec<f64> {
+        self.linear_pass(self, stored, driven, |row, step, _| {
+            let mut next = step.to;
+            for i in 0..N {
+                next[i] += step.linear.push[i] * torques[row];
+            }
+            next
+        })
     }
 
     /// Windows of `horizon` rows, each simulated from the state that the pass estimated at its start; none across skipped rows.
@@ -65,6 +87,13 @@ impl Prepared {
             if stored.rows[start..=end].iter().all(|row| row.counted) {
                 let mut x = stored.steps[grid.first[start] as usize].from;
                 let mut p = stored.rows[start].covariance;
+                if let Some(colour) = noise.colour {
+                    // A simulation knows nothing of the noise.
+                    x[N - 1] = 0.0;
+                    p.iter_mut().for_each(|line| line[N - 1] = 0.0);
+                    p[N - 1] = [0.0; N];
+                    p[N - 1][N - 1] = colour.sd * colour.sd;
+                }
                 let mut window = Window { start, rows: horizon, squares: 0.0, expected: 0.0 };
                 for row in start..end {
                     for index in grid.first[row] as usize..grid.first[row + 1] as usize {
@@ -94,13 +123,13 @@ impl Prepared {
         }
     }
 
-    /// Sends the differences that `advance` shows through the filter's own linearisation.
+    /// Sends the differences that `advance` shows, given a row and a step behind it, through the filter's own linearisation.
     fn linear_pass<const N: usize>(
         &self,
         base: &Self,
         stored: &Stored<N>,
         driven: Driven<'_>,
-        mut advance: impl FnMut(&StoredStep<N>, &Substep) -> [f64; N],
+        mut advance: impl FnMut(usize, &StoredStep<N>, &Substep) -> [f64; N],
     ) -> Vec<f64> {
         let Driven { recorded, grid, acting, .. } = driven;
         let mut ds = [0.0; N];
@@ -120,7 +149,14 @@ impl Prepared {
             }
             for index in grid.first[row] as usize..grid.first[row + 1] as usize {
                 let step = &stored.steps[index];
-                let next = advance(step, &Substep::of(acting, index, grid.dt_s[row]));
+                let mut acted = Substep::of(acting, index, grid.dt_s[row]);
+                if stored.coloured {
+                    acted.torque += step.from[N - 1];
+                }
+                let mut next = advance(row, step, &acted);
+                if stored.coloured {
+                    next[N - 1] = step.to[N - 1];
+                }
                 let mut moved = [0.0; N];
                 for i in 0..N {
                     let mut sum = if i == ROUNDING { 0.0 } else { next[i] - step.to[i] };

@@ -16,8 +16,9 @@ use crate::recorded::Recorded;
 /// specification's figure; 6e-5 of normal innovations lie beyond.
 pub(crate) const HUBER: f64 = 4.0;
 
-/// Largest number of states: the three of every recording, shaft, bristle, spring, heat of friction and of the fluid.
-pub(super) const MOST_STATES: usize = BASE + 6;
+/// Largest number of states: the three of every recording, shaft, bristle, spring, heat of friction and of the fluid, and last the
+/// torque noise with a memory.
+pub(super) const MOST_STATES: usize = BASE + 7;
 
 /// Minus twice the log-likelihood of a whitened innovation, but for its variance: squares, straight beyond the Huber limit.
 #[inline]
@@ -56,6 +57,8 @@ pub(crate) enum Path {
 
 /// A path with its number of states.
 pub(crate) struct Stored<const N: usize> {
+    /// Whether the last state is the torque noise's.
+    pub(super) coloured: bool,
     pub(super) steps: Vec<StoredStep<N>>,
     pub(super) rows: Vec<StoredRow<N>>,
 }
@@ -112,9 +115,14 @@ impl Prepared {
         }
     }
 
+    /// Number of states beside that noise.
+    fn states(&self, noise: &Noise) -> usize {
+        self.laws.states + usize::from(noise.colour.is_some())
+    }
+
     /// What a substep costs of one of three states: covariances are squares.
-    pub(crate) fn cost(&self) -> usize {
-        (self.laws.states * self.laws.states / 9).max(1)
+    pub(crate) fn cost(&self, noise: &Noise) -> usize {
+        (self.states(noise).pow(2) / 9).max(1)
     }
 
     /// Log-likelihood of a whitened innovation, and how much it pulls: of a wrong sample, nothing. Without wrong samples in
@@ -143,7 +151,7 @@ impl Prepared {
 
     /// Runs over a recording.
     pub(crate) fn run(&self, driven: Driven<'_>, noise: &Noise) -> Innovations {
-        match self.laws.states {
+        match self.states(noise) {
             3 => self.pass::<3>(driven, noise, None),
             4 => self.pass::<4>(driven, noise, None),
             5 => self.pass::<5>(driven, noise, None),
@@ -156,7 +164,8 @@ impl Prepared {
     pub(crate) fn run_kept(&self, driven: Driven<'_>, noise: &Noise) -> (Innovations, Path) {
         fn kept<const N: usize>(prepared: &Prepared, driven: Driven<'_>, noise: &Noise) -> (Innovations, Stored<N>) {
             let (steps, rows) = (driven.grid.substeps(), driven.recorded.rows());
-            let mut stored = Stored { steps: Vec::with_capacity(steps), rows: Vec::with_capacity(rows) };
+            let coloured = noise.colour.is_some();
+            let mut stored = Stored { coloured, steps: Vec::with_capacity(steps), rows: Vec::with_capacity(rows) };
             (prepared.pass(driven, noise, Some(&mut stored)), stored)
         }
         macro_rules! path {
@@ -165,7 +174,7 @@ impl Prepared {
                 (innovations, Path::$name(stored))
             }};
         }
-        match self.laws.states {
+        match self.states(noise) {
             3 => path!(3, Three),
             4 => path!(4, Four),
             5 => path!(5, Five),
@@ -231,7 +240,8 @@ impl Prepared {
             found.speed.push(x[SPEED]);
             let since_s = recorded.t_s[row] - recorded.t_s[row.saturating_sub(1)];
             let change = gain[SPEED] * innovation * pull * self.laws.inertia;
-            found.left_torque.push(if since_s > 0.0 { change / since_s } else { 0.0 });
+            let coloured = noise.colour.map_or(0.0, |_| x[N - 1]);
+            found.left_torque.push(if since_s > 0.0 { change / since_s + coloured } else { 0.0 });
             if let Some(stored) = keep.as_deref_mut() {
                 let gain = if pull < 0.5 { [0.0; N] } else { gain };
                 stored.rows.push(StoredRow {
@@ -267,6 +277,9 @@ impl Prepared {
             p[i][i] = sd * sd;
         }
         p[ROUNDING][ROUNDING] = self.rounding.variance;
+        if let Some(colour) = noise.colour {
+            p[N - 1][N - 1] = colour.sd * colour.sd;
+        }
         (x, p)
     }
 }

@@ -14,5 +14,5 @@ pub use acting::{Acting, Lately};
 pub(crate) use along::{MissingTorque, Window};
 pub use filter::Innovations;
 pub use grid::Grid;
-pub use noise::Noise;
 pub(crate) use noise::Rounding;
+pub use noise::{Colour, Noise};

@@ -5,11 +5,41 @@
 pub struct Noise {
     /// Standard deviation of a position sample beside its rounding, rad (m).
     pub sensor_sd: f64,
-    /// Spectral density of the torque noise, (N m)^2 s.
+    /// Spectral density of the torque noise without a memory, (N m)^2 s.
     pub torque_density: f64,
+    /// Torque noise with a memory; none where it has none.
+    pub colour: Option<Colour>,
+}
+
+/// Torque noise that decays at random: an Ornstein-Uhlenbeck process.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Colour {
+    /// Standard deviation, N m (N).
+    pub sd: f64,
+    /// Time constant, s.
+    pub memory_s: f64,
+}
+
+impl Colour {
+    /// Share that is left behind some time.
+    #[inline]
+    pub(crate) fn kept(&self, dt_s: f64) -> f64 {
+        (-dt_s / self.memory_s).exp()
+    }
+
+    /// Variance that is new behind some time, (N m)^2.
+    #[inline]
+    pub(crate) fn stirred(&self, dt_s: f64) -> f64 {
+        -(-2.0 * dt_s / self.memory_s).exp_m1() * self.sd * self.sd
+    }
 }
 
 impl Noise {
+    /// Without memory, beside a sensor's noise of that standard deviation, rad (m): a spectral density, (N m)^2 s.
+    pub fn white(sensor_sd: f64, torque_density: f64) -> Self {
+        Self { sensor_sd, torque_density, colour: None }
+    }
+
     /// Variance of the mean torque noise of a substep, (N m)^2.
     pub(crate) fn torque_variance(&self, dt_s: f64) -> f64 {
         self.torque_density / dt_s

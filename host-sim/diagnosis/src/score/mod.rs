@@ -160,7 +160,8 @@ fn candidate(
     effect: &'static Effect,
     values: Vec<f64>,
 ) -> Option<Candidate> {
-    if effect.parameter(0).searched {
+    // No column tells what changes samples and no motion, or what a memory makes of a motion.
+    if effect.parameter(0).searched || effect.remembers {
         let other = hypothesis.with(effect, values.clone());
         let found = evaluate(problem, &other.physics(&problem.nominal), &path.noise, problem.fitted)?.fitted(problem);
         return Some(Candidate::new(effect, values.clone(), values, found - path.log_likelihood()));

@@ -29,11 +29,6 @@ pub struct Odds {
 /// Evidence of an entry that was put in without a test.
 pub(super) const NOT_YET: (f64, f64) = (1.0, 0.0);
 
-/// Log-likelihood that a free value must bring to rank as high without it (Schwarz 1978).
-pub(super) fn price(problem: &Problem) -> f64 {
-    0.5 * (problem.residuals().max(2) as f64).ln()
-}
-
 /// Number of free values.
 pub(super) fn freedom(refitted: &Refitted) -> f64 {
     refitted.hypothesis.entries.iter().map(|entry| entry.effect.freedom(&entry.values)).sum::<usize>() as f64
@@ -74,7 +69,7 @@ impl Around {
     /// The refits of the first few candidates among some effects, best first by likelihood with a price on each free value.
     pub(super) fn extended(&self, problem: &Problem, among: &[&'static Effect]) -> Vec<(Refitted, Odds)> {
         let starts = first_few(self.tried(problem), among);
-        let price = price(problem);
+        let price = problem.price();
         let rank = |found: &mut Vec<(&Tried, &Refitted)>| {
             let worth = |one: &Refitted| one.log_likelihood - price * freedom(one);
             found.sort_by(|a, b| worth(b.1).total_cmp(&worth(a.1)));
@@ -118,20 +113,21 @@ fn odds(candidate: &Candidate) -> Odds {
     Odds { tries: candidate.tries, by_chance: candidate.by_chance, taken: NOT_YET }
 }
 
-/// The first few candidates among some effects; a second start of an effect where it has several valleys.
+/// The first few candidates among some effects, a second start of an effect where it has several valleys, and of each effect with a
+/// memory, whose column says little, the first.
 fn first_few<'a>(tried: &'a [Tried], among: &[&'static Effect]) -> Vec<&'a Tried> {
     let mut starts: Vec<&Tried> = Vec::new();
     let mut seen: Vec<&'static str> = Vec::new();
+    let mut few = 0;
     for one in tried.iter().filter(|one| among.contains(&one.candidate.entry.effect)) {
-        let id = one.candidate.entry.effect.id;
-        let times = seen.iter().filter(|other| **other == id).count();
-        if times < 2 && (times == 0 || starts.len() < REFITTED) {
+        let effect = one.candidate.entry.effect;
+        let times = seen.iter().filter(|other| **other == effect.id).count();
+        let among_the_few = few < 2 * REFITTED && times < 2 && (times == 0 || few < REFITTED);
+        if among_the_few || (times == 0 && effect.remembers) {
             starts.push(one);
+            few += usize::from(among_the_few);
         }
-        seen.push(id);
-        if starts.len() == 2 * REFITTED {
-            break;
-        }
+        seen.push(effect.id);
     }
     starts
 }

@@ -152,7 +152,7 @@ fn channel(name: &str, axis: AxisKind) -> String {
         "speed" => format!("speed_{position}_s"),
         "position" => format!("position_{position}"),
         "torque" | "torque_rate" => format!("{name}_{effort}"),
-        "field" | "field_rate" => format!("{name}_kv_mm"),
+        "field" => "field_kv_mm".to_owned(),
         "time" => "time_s".to_owned(),
         other => other.to_owned(),
     }

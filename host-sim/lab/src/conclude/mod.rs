@@ -6,7 +6,7 @@ mod stretches;
 
 use diagnosis::effects::{Effect, VOCABULARY};
 use diagnosis::physics::Physics;
-use diagnosis::pipeline::{Conclusion, diagnose as concluded};
+use diagnosis::pipeline::{Conclusion, diagnose_as_read};
 use diagnosis::problem::Problem;
 use diagnosis::recorded::Recorded;
 
@@ -79,7 +79,7 @@ pub fn diagnose(request: &Request<'_>) -> Result<Diagnosis, Error> {
     let machine = with_steps_of(request.machine, &files, &mut notes);
     let problem = problem(&machine, request, &files, &mut notes);
     stages.done("prepare");
-    let conclusion = concluded(&problem, request.vocabulary).ok_or_else(|| {
+    let (problem, conclusion) = diagnose_as_read(problem, request.vocabulary).ok_or_else(|| {
         Error::Usage(format!("{}: the nominal machine cannot be followed along these recordings", names.join(", ")))
     })?;
     stages.done("search, refit and confidence set");

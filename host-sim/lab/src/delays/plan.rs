@@ -81,7 +81,7 @@ impl<'a> Simulated<'a> {
         let density = noise.iter().map(|one| one.torque_density).fold(0.0, f64::max);
         let least = problem.least_sensor_sd;
         let sensor_sd = (sensor * sensor - least * least).max(0.0).sqrt();
-        Self { machine, nominal: &problem.nominal, noise: Noise { sensor_sd, torque_density: density }, left }
+        Self { machine, nominal: &problem.nominal, noise: Noise::white(sensor_sd, density), left }
     }
 
     /// Every experiment with what it would bring, best first: those that separate, then by the difference.
@@ -148,7 +148,7 @@ impl<'a> Simulated<'a> {
     /// # Errors
     /// As [`Simulated::plans`].
     pub fn apart(&self, plan: &Plan) -> Result<Vec<Curve>, Error> {
-        let quiet = Self { noise: Noise { sensor_sd: 0.0, torque_density: 0.0 }, left: self.left.clone(), ..*self };
+        let quiet = Self { noise: Noise::white(0.0, 0.0), left: self.left.clone(), ..*self };
         let all: Vec<Vec<Row>> =
             (0..self.left.len()).map(|at| quiet.rows(at, &plan.experiment)).collect::<Result<_, _>>()?;
         let curve = |(contender, rows): (&Contender, &Vec<Row>)| {

@@ -96,10 +96,10 @@ impl Default for Guide {
             effects: Vec::new(),
         };
         let nominal = Physics::nominal(&machine, &[]);
-        let noise = Noise {
-            sensor_sd: resolution / 12.0_f64.sqrt(),
-            torque_density: TORQUE_NOISE_NM * TORQUE_NOISE_NM * machine.axis.sample_period_s,
-        };
+        let noise = Noise::white(
+            resolution / 12.0_f64.sqrt(),
+            TORQUE_NOISE_NM * TORQUE_NOISE_NM * machine.axis.sample_period_s,
+        );
         Self { limits: Limits::of(&machine, &[]), nominal, machine, noise }
     }
 }

@@ -42,8 +42,7 @@ fn rival(id: &str, value: f64) -> Hypothesis {
 }
 
 fn request<'a>(machine: &'a Machine, rivals: &'a [Hypothesis]) -> Request<'a> {
-    let noise =
-        Noise { sensor_sd: COUNT_RAD / 12.0_f64.sqrt(), torque_density: TORQUE_NOISE_NM * TORQUE_NOISE_NM * PERIOD_S };
+    let noise = Noise::white(COUNT_RAD / 12.0_f64.sqrt(), TORQUE_NOISE_NM * TORQUE_NOISE_NM * PERIOD_S);
     Request { machine, rivals, limits: Limits::of(machine, &[]), noise }
 }
 
@@ -124,7 +123,7 @@ fn limits_hold_and_a_linear_axis_without_controller_is_proposed_for() {
     };
     let rivals = [rival("inertia", 99.0), rival("viscous_friction", 220.0)];
     let limits = Limits { speed: 0.3, torque: 120.0, travel: 0.2 };
-    let noise = Noise { sensor_sd: 3e-7, torque_density: 1e-3 };
+    let noise = Noise::white(3e-7, 1e-3);
     let request = Request { machine: &machine, rivals: &rivals, limits, noise };
     let proposal = best(&request).unwrap();
     println!("{} {:?}", proposal.text, proposal.pairs);

@@ -75,12 +75,13 @@ pub struct RemainderAnswer {
 pub struct PredictorAnswer {
     /// Channel with its unit.
     pub channel: String,
-    /// Share of the squares of the whitened residual, 1.
+    /// Share of the squares of the whitened residual, beyond what chance takes, 1.
     pub share: f64,
     /// Probability of that by chance.
     pub p_value: f64,
-    /// Torque (force) that it predicts, root mean square, in the unit of the remainder.
-    pub effort_rms: f64,
+    /// Torque (force) that it predicts, root mean square, in the unit of the remainder; null where what it predicts is none, as a
+    /// memory of the noise.
+    pub effort_rms: Option<f64>,
 }
 
 /// One effect of the best model.

@@ -114,11 +114,8 @@ fn write_remainder(text: &mut String, left: &RemainderAnswer) -> std::fmt::Resul
     }
     for one in &left.predictors {
         let (share, p) = (per_cent(one.share), one.p_value);
-        writeln!(
-            text,
-            "  {} predicts {share} % of its squares (p = {p:.1e}), {:.3} {} rms",
-            one.channel, one.effort_rms, left.unit
-        )?;
+        let rms = one.effort_rms.map(|rms| format!(", {rms:.3} {} rms", left.unit)).unwrap_or_default();
+        writeln!(text, "  {} predicts {share} % of its squares (p = {p:.1e}){rms}", one.channel)?;
     }
     Ok(())
 }

@@ -5,7 +5,7 @@ use super::super::noise::{Noise, Rounding};
 use super::{BASE, Free, Laws, POSITION, ROUNDING, SPEED, Substep};
 
 impl Laws {
-    /// Moves mean and covariance through a substep with torque noise and the rounding's change over the travel; returns what a
+    /// Moves mean and covariance through a substep with torque noise, whose memory, if it has one, is the last state, and the rounding's change over the travel; returns what a
     /// linearised pass needs.
     #[inline]
     pub(crate) fn predict<const N: usize>(
@@ -17,9 +17,14 @@ impl Laws {
         rounding: &Rounding,
     ) -> Linear<N> {
         let torque_variance = noise.torque_variance(step.dt_s);
+        let colour = noise.colour.map(|colour| (colour, N - 1));
+        let step = &colour.map_or(*step, |(_, at)| Substep { torque: step.torque + x[at], ..*step });
         let twist_sd = self.twist.map_or(0.0, |at| p[at][at].max(0.0).sqrt());
         let free = self.free(x, step, twist_sd);
-        let row = self.row(x, step, &free);
+        let mut row = self.row(x, step, &free);
+        if let Some((_, at)) = colour {
+            row[at] = free.gain;
+        }
         let mut variance = free.gain * free.gain * torque_variance;
         for i in 0..N {
             variance += row[i] * dot(&p[i], &row);
@@ -27,13 +32,20 @@ impl Laws {
         let speed_sd = variance.max(1e-300).sqrt();
         let speed = dry_friction(free.speed, speed_sd, free.push(x), free.up, free.down);
         let (mut jacobian, push) = self.jacobian(x, step, &free, &row, &speed);
-        let next = self.moved(x, step, &free, speed.mean);
+        let mut next = self.moved(x, step, &free, speed.mean);
+        if let Some((colour, at)) = colour {
+            jacobian[at][at] = colour.kept(step.dt_s);
+            next[at] *= jacobian[at][at];
+        }
         let kept = rounding.kept(next[POSITION] - x[POSITION]);
         jacobian[ROUNDING][ROUNDING] = kept;
         *x = next;
         x[ROUNDING] *= kept;
         spread(p, &jacobian, 0.5 * step.dt_s);
         self.stir(p, step.dt_s, push[SPEED] * push[SPEED] * torque_variance + speed.rest);
+        if let Some((colour, at)) = colour {
+            p[at][at] += colour.stirred(step.dt_s);
+        }
         p[ROUNDING][ROUNDING] += (1.0 - kept * kept) * rounding.variance;
         Linear { jacobian, push, gain: free.gain, speed_sd, twist_sd }
     }
@@ -42,6 +54,9 @@ impl Laws {
     pub(crate) fn widen<const N: usize>(&self, p: &mut [[f64; N]; N], linear: &Linear<N>, dt_s: f64, noise: &Noise) {
         spread(p, &linear.jacobian, 0.5 * dt_s);
         self.stir(p, dt_s, linear.push[SPEED] * linear.push[SPEED] * noise.torque_variance(dt_s));
+        if let Some(colour) = noise.colour {
+            p[N - 1][N - 1] += colour.stirred(dt_s);
+        }
     }
 
     /// d free speed / d state.

@@ -134,8 +134,7 @@ impl Prepared {
             .map(|(test, torque)| torque * torque / test.per_density(&recorded.t_s).max(f64::MIN_POSITIVE))
             .sum();
         let most = squares / residual.len().max(1) as f64;
-        let with =
-            |ln: f64| Noise { sensor_sd: motion.sensor_sd, torque_density: most.max(f64::MIN_POSITIVE) * ln.exp() };
+        let with = |ln: f64| Noise::white(motion.sensor_sd, most.max(f64::MIN_POSITIVE) * ln.exp());
         let cost = |ln: f64| -> f64 {
             let noise = with(ln);
             let of = |(test, torque): (&motion::Test, &f64)| {
@@ -210,6 +209,24 @@ impl Prepared {
         let mut column = vec![0.0; recorded.rows()];
         for (test, torque) in motion.tests.iter().zip(residual) {
             column[test.middle] = torque / self.torque_sd(test, recorded, noise) - base.whitened[test.middle];
+        }
+        column
+    }
+
+    /// What each row's whitened residual would change if a torque acted beside those of the machine: in the interval behind each
+    /// row the one given for it, N m (N).
+    pub(crate) fn response_to_torque_along(
+        &self,
+        motion: &Motion,
+        recorded: &Recorded,
+        noise: &Noise,
+        torques: &[f64],
+    ) -> Vec<f64> {
+        let mut column = vec![0.0; recorded.rows()];
+        for test in &motion.tests {
+            let felt: f64 = test.force.iter().zip(test.rows.clone()).map(|(weight, row)| weight * torques[row]).sum();
+            let scale = self.per_column(0.5 * motion.support_s()) * self.torque_sd(test, recorded, noise);
+            column[test.middle] = felt / scale;
         }
         column
     }

@@ -200,13 +200,13 @@ pub(super) fn left(answer: &Answer) -> String {
         .predictors
         .iter()
         .map(|one| {
-            let size = format!("{} {unit}", number(one.effort_rms, 0.0));
+            let size = one.effort_rms.map_or_else(String::new, |rms| format!("{} {unit}", number(rms, 0.0)));
             vec![format!("<code>{}</code>", text(&one.channel)), share(one.share), size, text(&p_value(one.p_value))]
         })
         .collect();
     if !rows.is_empty() {
         let head = ["channel", "share of the squares", "rms", "p"];
-        body += &table("Channels that predict part of it, on data they were not fitted to", &head, rows);
+        body += &table("Channels that predict part of it", &head, rows);
     }
     section("left", "What is left", &body)
 }

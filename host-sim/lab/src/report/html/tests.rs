@@ -73,7 +73,12 @@ fn answer(verdict: Verdict) -> Answer {
             effort_rms: 0.3,
             unit: hostile.clone(),
             unnamed: vec![hostile.clone()],
-            predictors: vec![PredictorAnswer { channel: hostile.clone(), share: 0.4, p_value: 1e-9, effort_rms: 0.2 }],
+            predictors: vec![PredictorAnswer {
+                channel: hostile.clone(),
+                share: 0.4,
+                p_value: 1e-9,
+                effort_rms: Some(0.2),
+            }],
         }),
         warnings: vec![hostile],
     }

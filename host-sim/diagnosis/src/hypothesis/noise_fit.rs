@@ -1,0 +1,161 @@
+//! The noise of each recording by maximum likelihood.
+
+use std::ops::Range;
+
+use rayon::prelude::*;
+
+use super::evaluate::{driven, prepare, residual};
+use crate::likelihood::filter::{Driven, Prepared};
+use crate::likelihood::{Acting, Colour, Noise};
+use crate::physics::Physics;
+use crate::problem::Problem;
+
+/// The noise of each recording under which a machine is most likely, searched from `from` in steps of 2^`octaves` downwards for
+/// those of `which` and as it is for the others. Noise without a memory gets none.
+pub fn noise_of(problem: &Problem, physics: &Physics, from: &[Noise], octaves: f64, which: Range<usize>) -> Vec<Noise> {
+    let one = |(index, from): (usize, &Noise)| {
+        let found = which.contains(&index).then(|| noise_of_one(problem, physics, index, from, octaves));
+        found.flatten().unwrap_or(*from)
+    };
+    from.par_iter().enumerate().map(one).collect()
+}
+
+fn noise_of_one(problem: &Problem, physics: &Physics, index: usize, from: &Noise, octaves: f64) -> Option<Noise> {
+    let (prepared, acting) = prepare(problem, physics, index)?;
+    if let Some(motion) = problem.motions.get(index) {
+        let residual = residual(problem, index, motion, &prepared, &acting);
+        return Some(prepared.likeliest_noise(motion, &problem.recordings[index], &residual));
+    }
+    let excerpt = Excerpt { problem, index, prepared: &prepared, acting: &acting };
+    Some(excerpt.likeliest(*from, octaves).0)
+}
+
+/// Memories that are tried first, s: from what a current loop has to what ripple and bearings have. Each is a factor of four from
+/// the next, and a search goes on between them.
+const FIRST_MEMORIES_S: [f64; 3] = [0.002, 0.008, 0.03];
+/// The longest memory of noise, s: a fifth of a block, so that blocks tell independent things; what is remembered longer is physics.
+const LONGEST_MEMORY_S: f64 = 0.05;
+/// Share of the noise at low frequencies that stays without a memory at first.
+const WHITE_AT_FIRST: f64 = 0.25;
+
+/// The same with a memory for the torque noise of each recording in which that makes a machine likelier by more than two numbers
+/// are worth (Schwarz 1978). Where the motion is given, whole test functions average over it, and it stays white.
+pub fn coloured_noise(problem: &Problem, physics: &Physics, from: &[Noise]) -> Vec<Noise> {
+    let one = |(index, from): (usize, &Noise)| coloured_one(problem, physics, index, from).unwrap_or(*from);
+    from.par_iter().enumerate().map(one).collect()
+}
+
+fn coloured_one(problem: &Problem, physics: &Physics, index: usize, from: &Noise) -> Option<Noise> {
+    if !problem.motions.is_empty() || from.colour.is_some() {
+        return None;
+    }
+    let (prepared, acting) = prepare(problem, physics, index)?;
+    let excerpt = Excerpt { problem, index, prepared: &prepared, acting: &acting };
+    let period_s = problem.recordings[index].period_s();
+    let start = |memory_s: f64| {
+        let sd = ((1.0 - WHITE_AT_FIRST) * from.torque_density / (2.0 * memory_s)).sqrt();
+        Noise { torque_density: WHITE_AT_FIRST * from.torque_density, colour: Some(Colour { sd, memory_s }), ..*from }
+    };
+    let starts = FIRST_MEMORIES_S.into_iter().filter(|memory_s| *memory_s > period_s).map(start);
+    let scored = starts.map(|noise| (excerpt.score(&noise), noise));
+    let (_, first) = scored.max_by(|a, b| a.0.total_cmp(&b.0))?;
+    let (found, top) = excerpt.likeliest(first, 1.0);
+    let rows: usize = problem.excerpts[index].iter().map(Range::len).sum();
+    (top > excerpt.score(from) + (rows.max(2) as f64).ln()).then_some(found)
+}
+
+/// The rows of a recording that its noise is estimated on, under one machine.
+struct Excerpt<'a> {
+    problem: &'a Problem,
+    index: usize,
+    prepared: &'a Prepared,
+    acting: &'a Acting,
+}
+
+impl Excerpt<'_> {
+    fn score(&self, noise: &Noise) -> f64 {
+        let Self { problem, index, prepared, acting } = *self;
+        let substeps = problem.grids[index].substeps() / problem.recordings[index].rows().max(1);
+        let of = |rows: &Range<usize>| -> f64 {
+            let driven = Driven { rows: rows.clone(), ..driven(problem, index, acting) };
+            problem.spend(prepared.cost(noise) * rows.len() * substeps);
+            prepared.run(driven, noise).log_likelihood.iter().sum()
+        };
+        let sum: f64 = problem.excerpts[index].iter().map(of).sum();
+        if sum.is_finite() { sum } else { f64::NEG_INFINITY }
+    }
+
+    /// The likeliest noise near another, and its score.
+    fn likeliest(&self, from: Noise, octaves: f64) -> (Noise, f64) {
+        let mut best = from;
+        let mut top = self.score(&best);
+        let mut step = octaves;
+        while step > 0.1 {
+            let before = top;
+            for which in Which::of(&from) {
+                (best, top) = self.followed(best, top, *which, step);
+            }
+            if top - before < 0.5 {
+                step *= 0.5;
+            }
+        }
+        (best, top)
+    }
+
+    /// Along one number of it, up or down: a direction that helps is followed in steps that double.
+    fn followed(&self, mut best: Noise, mut top: f64, which: Which, step: f64) -> (Noise, f64) {
+        for sign in [1.0, -1.0] {
+            let mut along = sign * step;
+            let began = top;
+            loop {
+                let tried = self.changed(&best, which, along);
+                let found = if tried == best { top } else { self.score(&tried) };
+                if found <= top + 1e-3 {
+                    break;
+                }
+                (best, top) = (tried, found);
+                along *= 2.0;
+            }
+            if top > began {
+                break;
+            }
+        }
+        (best, top)
+    }
+
+    /// With a standard deviation, or a memory, larger by `octaves` powers of two.
+    fn changed(&self, noise: &Noise, which: Which, octaves: f64) -> Noise {
+        let factor = octaves.exp2();
+        let coloured = |change: &dyn Fn(Colour) -> Colour| Noise { colour: noise.colour.map(change), ..*noise };
+        match which {
+            Which::Torque => Noise { torque_density: noise.torque_density * factor * factor, ..*noise },
+            Which::Sensor => {
+                Noise { sensor_sd: (noise.sensor_sd * factor).max(self.problem.least_sensor_sd), ..*noise }
+            }
+            Which::Coloured => coloured(&|colour| Colour { sd: colour.sd * factor, ..colour }),
+            Which::Memory => coloured(&|colour| {
+                let shortest_s = self.problem.recordings[self.index].period_s().min(LONGEST_MEMORY_S);
+                Colour { memory_s: (colour.memory_s * factor).clamp(shortest_s, LONGEST_MEMORY_S), ..colour }
+            }),
+        }
+    }
+}
+
+/// A number of the noise.
+#[derive(Clone, Copy)]
+enum Which {
+    Torque,
+    Sensor,
+    Coloured,
+    Memory,
+}
+
+impl Which {
+    /// Those that a noise has.
+    fn of(noise: &Noise) -> &'static [Self] {
+        match noise.colour {
+            None => &[Self::Torque, Self::Sensor],
+            Some(_) => &[Self::Torque, Self::Sensor, Self::Coloured, Self::Memory],
+        }
+    }
+}

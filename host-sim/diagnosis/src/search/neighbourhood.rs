@@ -1,0 +1,167 @@
+//! Backward elimination: what is not missed goes, and what may stand in the place of each entry is looked at.
+
+use crate::confidence_set::{Comparison, Step, compare, excluded};
+use crate::effects::Effect;
+use crate::hypothesis::{Refitted, refit};
+use crate::problem::Problem;
+
+use super::around::{Around, NOT_YET, Odds, REFITTED};
+use super::{Forward, Found, LEVEL_OF_A_STEP, MOST_EFFECTS, Rejected, Rival, SMALLEST_GAIN};
+use super::{gain, nuisances, p_value, priced};
+
+/// Swaps of an entry for another effect that are followed: each effect of the largest hypothesis once.
+const MOST_SWAPS: usize = MOST_EFFECTS;
+
+/// The best hypothesis with what was found around it so far.
+pub(super) struct Neighbourhood<'a> {
+    problem: &'a Problem,
+    vocabulary: &'a [&'static Effect],
+    nominal: &'a Step,
+    /// Where that is computed already.
+    around_nominal: Option<&'a Around>,
+    best: Step,
+    tried: Vec<Odds>,
+    evidence: Vec<(f64, f64)>,
+    rivals: Vec<Rival>,
+    rejected: Vec<Rejected>,
+    swaps: usize,
+}
+
+/// What a look at an entry came to.
+enum Looked {
+    /// It stays.
+    Stays,
+    /// The best is another one, and all its entries are to be looked at again.
+    Moved,
+}
+
+impl<'a> Neighbourhood<'a> {
+    /// Of the end of a forward selection.
+    pub(super) fn new(
+        problem: &'a Problem,
+        vocabulary: &'a [&'static Effect],
+        nominal: &'a Step,
+        around_nominal: Option<&'a Around>,
+        Forward { best, tried, rejected }: Forward,
+    ) -> Self {
+        let (evidence, rivals) = (Vec::new(), Vec::new());
+        Self { problem, vocabulary, nominal, around_nominal, best, tried, evidence, rivals, rejected, swaps: 0 }
+    }
+
+    /// Looks at every entry, and begins again where the best becomes another one.
+    pub(super) fn found(mut self) -> Found {
+        let mut at = 0;
+        while at < self.entries() {
+            if self.problem.is_spent() {
+                // What was not looked at any more is told as found, without rivals.
+                self.evidence.extend(self.tried[at..].iter().map(|odds| odds.taken));
+                break;
+            }
+            at = match self.look_at(at) {
+                Looked::Stays => at + 1,
+                Looked::Moved => 0,
+            };
+        }
+        let Self { nominal, best, evidence, rivals, rejected, .. } = self;
+        Found { nominal: nominal.clone(), best, looked_at: at, evidence, rivals, rejected }
+    }
+
+    fn entries(&self) -> usize {
+        self.best.assessed.refitted.hypothesis.entries.len()
+    }
+
+    fn look_at(&mut self, at: usize) -> Looked {
+        // What another entry stands on, as an asymmetry on its friction, cannot be dropped.
+        let Some(without) = self.without(at) else {
+            self.evidence.push(self.tried[at].taken);
+            return Looked::Stays;
+        };
+        let gain = gain(self.problem, &self.best, &without, at);
+        let rise = self.best.assessed.refitted.log_likelihood - without.assessed.refitted.log_likelihood;
+        let p = p_value(&self.best.assessed, at, rise, self.tried[at]);
+        let certain = p <= LEVEL_OF_A_STEP && self.best.assessed.away_from_neutral(self.problem, at);
+        if !certain || gain < SMALLEST_GAIN {
+            let effect = self.best.assessed.refitted.hypothesis.entries[at].effect;
+            self.rejected.push(Rejected { effect, rise, gain: Some(gain), certain: certain && gain > 0.0 });
+            return self.moved(at, without, None);
+        }
+        let found = self.in_its_place(at, &without);
+        let comparisons: Vec<Comparison> = found.iter().map(|rival| compare(self.problem, &self.best, rival)).collect();
+        if let Some(other) = self.preferred(&found, &comparisons) {
+            let other = found[other].clone();
+            return self.moved(at, other, Some(Odds { tries: 1.0, by_chance: 0.0, taken: NOT_YET }));
+        }
+        let rival = |(step, behind)| Rival { place: at, step, behind };
+        self.rivals.extend(found.into_iter().zip(comparisons).map(rival));
+        self.evidence.push((p, gain));
+        Looked::Stays
+    }
+
+    /// The best without an entry; none where nothing of the kind can be.
+    fn without(&self, at: usize) -> Option<Step> {
+        if self.entries() == 1 {
+            return Some(self.nominal.clone());
+        }
+        let Refitted { hypothesis, noise, .. } = &self.best.assessed.refitted;
+        Step::new(self.problem, refit(self.problem, &hypothesis.without(at), noise, 10)?)
+    }
+
+    /// Goes on from another hypothesis, whose entry in the place of the one at `at`, if there is one, stands last.
+    fn moved(&mut self, at: usize, to: Step, new: Option<Odds>) -> Looked {
+        self.tried.remove(at);
+        self.tried.extend(new);
+        self.best = to;
+        self.evidence.clear();
+        self.rivals.clear();
+        Looked::Moved
+    }
+
+    /// Refits of what may stand in the place of an entry. What does not explain what is missing there by itself is no rival,
+    /// however little tells it apart.
+    fn in_its_place(&self, at: usize, without: &Step) -> Vec<Step> {
+        let own = self.best.assessed.refitted.hypothesis.entries[at].effect;
+        let others = self.vocabulary.iter().copied().filter(|effect| *effect != own);
+        let others: Vec<&'static Effect> = others.chain(nuisances(self.vocabulary)).collect();
+        let found = match self.around_nominal.filter(|_| self.entries() == 1) {
+            Some(around_nominal) => around_nominal.extended(self.problem, &others),
+            None => Around::new(without, &others).extended(self.problem, &others),
+        };
+        let floor = without.assessed.refitted.log_likelihood;
+        let rival = |(one, odds): (Refitted, Odds)| {
+            let (rise, last) = (one.log_likelihood - floor, one.hypothesis.entries.len() - 1);
+            let rival = Step::new(self.problem, one)?;
+            let relevant = gain(self.problem, &rival, without, last) >= SMALLEST_GAIN;
+            (relevant && p_value(&rival.assessed, last, rise, odds) < LEVEL_OF_A_STEP).then_some(rival)
+        };
+        found.into_iter().take(REFITTED).filter_map(rival).collect()
+    }
+
+    /// The rival that is gone on from: a simpler one that these recordings do not tell from the best, else one that is certainly
+    /// better.
+    fn preferred(&mut self, found: &[Step], comparisons: &[Comparison]) -> Option<usize> {
+        let freedom = self.best.assessed.freedom();
+        let mut excluded = excluded(comparisons).into_iter();
+        let simpler = found.iter().position(|rival| {
+            let excluded = excluded.next().unwrap_or(true);
+            !excluded && rival.may_be_named() && rival.assessed.freedom() < freedom
+        });
+        if simpler.is_some() || self.swaps == MOST_SWAPS {
+            return simpler;
+        }
+        let (own, problem) = (priced(self.problem, &self.best), self.problem);
+        let better = |rival: &Step| {
+            let certainly = || excluded_one(compare(problem, rival, &self.best));
+            let last = rival.assessed.refitted.hypothesis.entries.len() - 1;
+            let apart = rival.assessed.away_from_neutral(problem, last);
+            rival.may_be_named() && apart && priced(problem, rival) > own && certainly()
+        };
+        let better = found.iter().position(better);
+        self.swaps += usize::from(better.is_some());
+        better
+    }
+}
+
+/// Whether that comparison by itself excludes the other one.
+fn excluded_one(comparison: Comparison) -> bool {
+    excluded(&[comparison])[0]
+}
