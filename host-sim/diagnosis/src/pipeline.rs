@@ -88,16 +88,20 @@ fn equivalent(
 }
 
 /// Diagnoses, and returns the problem as its torque column was read: where it may be a measurement, and is held like a command, also
-/// as commands. That reading shows what is faster than the other's band, but takes its noise to be white up to the sampling rate:
-/// it is believed if it leaves nothing predictable, or predicts what judges by a relevant part better. None where no pass over the
-/// recordings is finite.
+/// as commands. That reading shows what is faster than the other's band, but takes its noise for that of the motion up to the sampling
+/// rate: it is believed if it predicts what judges by a relevant part better, or explains everything where the other found nothing.
+/// None where no pass over the recordings is finite.
 pub fn diagnose_as_read(problem: Problem, vocabulary: &[&'static Effect]) -> Option<(Problem, Conclusion)> {
     let measured = diagnose(&problem, vocabulary)?;
     let Some(commands) = problem.as_commands() else { return Some((problem, measured)) };
     commands.spend(problem.work() as usize);
-    let commanded = diagnose(&commands, vocabulary);
-    let believed = commanded.filter(|commanded| {
-        commanded.remainder.is_none() || predicts_better(&commands, &commanded.best, &measured.best).unwrap_or(true)
+    let believed = diagnose(&commands, vocabulary).filter(|commanded| {
+        let explains = commanded.remainder.is_none() && measured.effects.is_empty();
+        match prediction(&commands, &commanded.best, &measured.best) {
+            Prediction::Better => true,
+            Prediction::Alike => explains,
+            Prediction::Worse => false,
+        }
     });
     Some(match believed {
         Some(commanded) => (commands, commanded),
@@ -105,17 +109,29 @@ pub fn diagnose_as_read(problem: Problem, vocabulary: &[&'static Effect]) -> Opt
     })
 }
 
+/// How a hypothesis predicts the windows that judge, beside another.
+enum Prediction {
+    /// By a relevant part better at one horizon, and at none worse.
+    Better,
+    Alike,
+    Worse,
+}
+
 /// Refits of the other reading's values: they are at an optimum already, but not at this one's.
 const STEPS_OF_THE_OTHER: usize = 2;
 
-/// Whether a hypothesis predicts the windows that judge by a relevant part better than the other reading's, at no horizon worse; none
-/// where the other cannot be followed.
-fn predicts_better(commands: &Problem, own: &Step, other: &Step) -> Option<bool> {
-    let Refitted { hypothesis, .. } = &other.assessed.refitted;
-    let other = Step::new(commands, refit(commands, hypothesis, &first_noise(commands), STEPS_OF_THE_OTHER)?)?;
+/// How a hypothesis predicts commands' windows beside one of the other reading: better than one that cannot be followed.
+fn prediction(commands: &Problem, own: &Step, other: &Step) -> Prediction {
+    let hypothesis = &other.assessed.refitted.hypothesis;
+    let refitted = refit(commands, hypothesis, &first_noise(commands), STEPS_OF_THE_OTHER);
+    let Some(other) = refitted.and_then(|refitted| Step::new(commands, refitted)) else { return Prediction::Better };
     let better = own.windows.gain_over(&other.windows, commands) >= SMALLEST_GAIN;
     let worse = other.windows.gain_over(&own.windows, commands) >= SMALLEST_GAIN;
-    Some(better && !worse)
+    match (better, worse) {
+        (_, true) => Prediction::Worse,
+        (true, false) => Prediction::Better,
+        (false, false) => Prediction::Alike,
+    }
 }
 
 /// Diagnoses a problem as it is read; none where no pass over the recordings is finite.
