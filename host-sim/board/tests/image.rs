@@ -32,10 +32,11 @@ fn boots_to_ready_and_ticks_at_2_khz() {
     assert!(events[0].starts_with("er-servo"), "{events:?}");
     assert!(events.iter().any(|event| event.ends_with("ready")), "{events:?}");
     assert_eq!(run.driver.link.status().unwrap().state, 1);
-    let ticks = run.driver.samples.windows(2).skip(200).map(|pair| pair[1].0 - pair[0].0);
-    for period_ns in ticks {
-        assert!((499_000..501_000).contains(&period_ns), "{period_ns} ns");
-    }
+    // A sample every half millisecond, and a tick that makes use of it.
+    let samples = run.driver.samples.windows(2).skip(200).map(|pair| pair[1].0 - pair[0].0);
+    samples.for_each(|period_ns| assert!((499_990..500_010).contains(&period_ns), "{period_ns} ns"));
+    let beats = run.driver.beats.windows(2).skip(200).map(|pair| pair[1].0 - pair[0].0);
+    beats.for_each(|period_ns| assert!((490_000..510_000).contains(&period_ns), "{period_ns} ns"));
 }
 
 #[test]
@@ -136,10 +137,11 @@ fn a_recording_over_the_link_has_every_tick_to_the_bit_beside_the_answers() {
 
 /// Codes at the DAC after the write of a tick.
 fn written_in(run: &common::Run, seq: u32) -> [u16; 2] {
-    // The first two samples are those of the converter's start-up; a tick's write follows its sample.
+    // The first two samples are those of the converter's start-up; a tick's load follows its sample.
     let sample = run.driver.samples[seq as usize + 2];
-    let at = run.driver.commands.partition_point(|command| command.at <= sample);
-    run.driver.commands[at..].iter().find(|command| command.at > sample).unwrap().codes
+    let loads = &run.driver.loads;
+    let loaded = loads[loads.partition_point(|at| *at <= sample)];
+    run.driver.commands.iter().find(|command| command.at == loaded).unwrap().codes
 }
 
 /// What differs between the three sets: the defaults; soft gains with a slow filter and a brake that holds; stiff gains
