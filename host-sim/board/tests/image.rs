@@ -15,6 +15,8 @@ use er_servo::experiment::{Experiment, Shape};
 use er_servo::link::{Answer, Command, Refusal};
 use er_servo::parameters::TABLE;
 use er_servo::{Config, Counts, Faults, Frame, Mode, Params, State, Supervisor, step};
+use rigless::mcu::Operate;
+use rigless::soc::Width;
 use wire::log::{Entry, Image, recordings};
 
 /// 120 pole pairs of 12 bit.
@@ -276,4 +278,18 @@ fn clears_in_a_row_do_not_starve_the_watchdog() {
     let answers =
         run.driver.link.replies.iter().filter(|(_, reply)| reply.answer == Answer::Refused(Refusal::Hardware));
     assert_eq!(answers.count(), 5, "{:?}", run.driver.link.replies);
+}
+
+#[test]
+fn the_image_sets_the_part_up_within_its_limits() {
+    let firmware = firmware();
+    let mut run = firmware.run(world(&firmware, 120.0)).unwrap();
+    let now = run.stop.unwrap().at;
+    let mut register = |address| run.session.board_mut().mcu.peek(now, address, Width::W32).unwrap();
+    // C_ADC CCR, ADCPRE: a quarter of 84 MHz; the converter takes 36 at most.
+    assert_eq!(register(0x4001_2304) >> 16 & 0b11, 0b01);
+    // RCC CR, CSSON: a crystal that fails is a non-maskable interrupt.
+    assert_eq!(register(0x4002_3800) >> 19 & 1, 1);
+    // DBGMCU APB1_FZ: the watchdog and the timers TIM3 and TIM5 run on while a debugger holds the core.
+    assert_eq!(register(0xE004_2008) & (1 << 12 | 1 << 1 | 1 << 3), 0);
 }

@@ -1,4 +1,4 @@
-//! The fault campaign: 1,023 seeded cases against the unmodified image.
+//! The fault campaign: 1,058 seeded cases against the unmodified image.
 //!
 //! Whatever happens: no field over 3.5 kV/mm, no torque over 30 N m, no hang. Where the cause can be seen at once, both
 //! outputs are zero and the high voltage is off in the tick after it, and the log says why. What acts on the machine is what
