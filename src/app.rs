@@ -5,7 +5,7 @@ use embedded_hal::digital::{InputPin, OutputPin};
 use embedded_hal::spi::SpiDevice;
 
 use crate::drivers::ad2s1210::{self, Ad2s1210, SAMPLE_TO_READ_NS, Settings};
-use crate::drivers::dac::{self, Dac};
+use crate::drivers::dac::{self, Dac, Load, When};
 use crate::drivers::scaling::{FieldCode, TorqueCode};
 use crate::guard::Guard;
 use crate::{
@@ -21,20 +21,20 @@ pub trait FieldMonitor {
 
 /// Short waits, and one that counts from an instant, so that work fits between.
 pub trait SampleDelay: DelayNs {
-    /// The instant: SAMPLE has just fallen.
+    /// SAMPLE has just been told to fall; a clock that knows the instant by itself does nothing.
     fn mark(&mut self);
-    /// Waits until so many nanoseconds after it.
+    /// Waits until so many nanoseconds after it fell.
     fn wait_since_mark(&mut self, wait_ns: u32);
 }
 
 /// Everything the drive is wired to. Input pins are fail-safe: a broken wire reads low, which is interlock open and stop
 /// pressed.
 #[derive(Debug)]
-pub struct Wiring<ResolverSpi, ResolverPin, DacSpi, DacPin, Input, Output, Monitor, Delay> {
+pub struct Wiring<ResolverSpi, Sample, ResolverPin, DacSpi, Ldac, Clear, Input, Output, Monitor, Delay> {
     /// Resolver converter.
-    pub resolver: Ad2s1210<ResolverSpi, ResolverPin, ResolverPin, ResolverPin, ResolverPin>,
+    pub resolver: Ad2s1210<ResolverSpi, Sample, ResolverPin, ResolverPin, ResolverPin>,
     /// Torque and field commands.
-    pub dac: Dac<DacSpi, DacPin, DacPin>,
+    pub dac: Dac<DacSpi, Ldac, Clear>,
     /// High: the high-voltage interlock is closed.
     pub interlock_closed: Input,
     /// High: the emergency stop is released.
@@ -96,8 +96,8 @@ pub struct Servo<W> {
     state: State,
     seq: u32,
     hardware_faults: Faults,
-    /// The DAC's next frame is its answer.
-    status_asked: bool,
+    /// The commands of the last tick were not ready at their instant.
+    late: bool,
     guard: Guard,
     /// What the law decided in the last tick.
     last: Option<Outputs>,
@@ -108,19 +108,21 @@ pub struct Servo<W> {
     sampled: bool,
 }
 
-impl<RS, RP, DS, DP, I, O, M, D> Servo<Wiring<RS, RP, DS, DP, I, O, M, D>>
+impl<RS, S, RP, DS, L, C, I, O, M, D> Servo<Wiring<RS, S, RP, DS, L, C, I, O, M, D>>
 where
     RS: SpiDevice,
+    S: OutputPin,
     RP: OutputPin,
     DS: SpiDevice,
-    DP: OutputPin,
+    L: Load,
+    C: OutputPin,
     I: InputPin,
     O: OutputPin,
     M: FieldMonitor,
     D: SampleDelay,
 {
     /// Takes wiring and parameters; touches nothing before [`Self::init`].
-    pub fn new(wiring: Wiring<RS, RP, DS, DP, I, O, M, D>, params: Params) -> Self {
+    pub fn new(wiring: Wiring<RS, S, RP, DS, L, C, I, O, M, D>, params: Params) -> Self {
         let hardware_faults = Faults::RESOLVER_BUS | Faults::OUTPUT_BUS;
         Self {
             wiring,
@@ -128,7 +130,7 @@ where
             state: State::default(),
             seq: 0,
             hardware_faults,
-            status_asked: false,
+            late: false,
             guard: Guard::default(),
             last: None,
             paused: false,
@@ -144,7 +146,7 @@ where
     /// The first chip that does not come up. The drive can tick on: the fault is reported to the law at every tick.
     pub fn init(&mut self) -> Result<(), InitError<RS::Error, DS::Error>> {
         self.hardware_faults = Faults::RESOLVER_BUS | Faults::OUTPUT_BUS;
-        self.status_asked = false;
+        self.late = false;
         self.pause();
         let wiring = &mut self.wiring;
         wiring.dac.init(&mut wiring.delay).map_err(InitError::Dac)?;
@@ -154,8 +156,8 @@ where
         Ok(())
     }
 
-    /// The position is what it is now: SAMPLE falls. What the tick needs besides may be worked out until [`Self::tick`], while
-    /// the converter takes its time.
+    /// The position is what it is now: SAMPLE falls, or a timer has made it fall for this tick. What the tick needs besides may be
+    /// worked out until [`Self::tick`], while the converter takes its time.
     pub fn sample(&mut self) {
         // A pin that cannot be driven shows as a position that is not read, or stands still.
         self.sampled = self.wiring.resolver.latch().is_ok();
@@ -169,6 +171,9 @@ where
             self.sample();
         }
         let mut inputs = self.read(orders);
+        if core::mem::take(&mut self.late) {
+            inputs.reported |= Faults::TICK_OVERRUN;
+        }
         inputs.reported |= self.guard.check(&self.params, &inputs, self.last.as_ref());
         let outputs = step(&self.params, &mut self.state, &inputs);
         if self.write(&outputs).is_err() {
@@ -262,7 +267,9 @@ where
         let hv = self.wiring.hv_enable.set_state(outputs.hv_enable.into()).map_err(|_| ());
         // A DAC that failed stays cleared by its pin until `init`; writing to it again would not help.
         let failed_before = self.hardware_faults.contains(Faults::OUTPUT_BUS);
-        let commands = if failed_before { Ok(()) } else { self.command(torque, field) };
+        // What moves the axis acts at its instant, so that the loop has one delay; a zero acts as soon as it can.
+        let when = if outputs.hv_enable { When::OnTime } else { When::Now };
+        let commands = if failed_before { Ok(()) } else { self.command(torque, field, when) };
         let faulted = matches!(outputs.supervisor, Supervisor::Fault { .. });
         // Lamps: a failed one is no reason to stop.
         let _ = self.wiring.fault_lamp.set_state(faulted.into());
@@ -272,17 +279,14 @@ where
 
     /// Writes both commands. In one tick of many the DAC is asked for its state behind them; it answers while the next
     /// tick's are written, so that no tick has to wait for two more frames.
-    fn command(&mut self, torque: TorqueCode, field: FieldCode) -> Result<(), ()> {
+    fn command(&mut self, torque: TorqueCode, field: FieldCode, when: When) -> Result<(), ()> {
         let dac = &mut self.wiring.dac;
-        if core::mem::take(&mut self.status_asked) {
-            dac.write_and_take_status(torque, field).map_err(|_| ())?;
+        let written = if self.seq.is_multiple_of(DAC_STATUS_TICKS) {
+            dac.write_and_ask(torque, field, when)
         } else {
-            dac.write(torque, field).map_err(|_| ())?;
-        }
-        if self.seq.is_multiple_of(DAC_STATUS_TICKS) {
-            dac.ask_status().map_err(|_| ())?;
-            self.status_asked = true;
-        }
+            dac.write(torque, field, when)
+        };
+        self.late = !written.map_err(|_| ())?;
         Ok(())
     }
 

@@ -22,7 +22,7 @@ bitflags! {
         const STOP_PRESSED = 1 << 5;
         /// The command link fell silent while the reference came from it.
         const LINK_LOST = 1 << 6;
-        /// A tick began late or took too long.
+        /// A tick began late, or its commands were not ready at the instant they act at.
         const TICK_OVERRUN = 1 << 7;
         /// The parameters in memory are not those that were checked.
         const PARAMETERS = 1 << 8;
@@ -30,7 +30,8 @@ bitflags! {
         const FIELD_OVER = 1 << 9;
         /// A value of the law was not a number.
         const NOT_FINITE = 1 << 10;
-        /// A command could not be written to the DAC, or one of its output stages is overloaded or too hot.
+        /// A command could not be written to the DAC or did not get to its outputs, or one of its output stages is overloaded or
+        /// too hot.
         const OUTPUT_BUS = 1 << 11;
         /// The last reset came from the watchdog or from a panic.
         const ABNORMAL_RESET = 1 << 12;
@@ -109,7 +110,9 @@ impl Faults {
             Self::PARAMETERS => "parameters damaged or out of range: write a full set and save it, then clear",
             Self::FIELD_OVER => "field over the trip level: check the high-voltage amplifier, then clear",
             Self::NOT_FINITE => "a value was not a number: save the log, reset",
-            Self::OUTPUT_BUS => "command DAC not written, overloaded or too hot: check SPI2 and its loads, then clear",
+            Self::OUTPUT_BUS => {
+                "command DAC not written or loaded, overloaded or too hot: check SPI2, LDAC and its loads, then clear"
+            }
             Self::ABNORMAL_RESET => "the watchdog or a panic reset the drive: save the log, then clear",
             Self::FOLLOWING_ERROR => {
                 "axis too far from its reference: free it or raise following_error_rad, then clear"

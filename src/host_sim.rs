@@ -85,7 +85,9 @@ type DacSocket = Socket<chips::Dac>;
 type SimulatedWiring = Wiring<
     SpiPort<chips::Ad2s1210>,
     ChipPin<chips::Ad2s1210>,
+    ChipPin<chips::Ad2s1210>,
     SpiPort<chips::Dac>,
+    ChipPin<chips::Dac>,
     ChipPin<chips::Dac>,
     Wire,
     Wire,

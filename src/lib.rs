@@ -45,7 +45,7 @@ pub mod storage;
 pub mod telemetry;
 mod units;
 
-pub use config::{Config, ConfigError, IMAGE_PERIOD_S, Params, SAMPLE_TO_OUTPUT_S};
+pub use config::{Config, ConfigError, IMAGE_PERIOD_S, Params, SAMPLE_TO_OUTPUT_NS};
 pub use fault::{Faults, Limits};
 pub use frame::{FRAME_BYTES, FRAME_SCHEMA, Frame, FrameError, Timing};
 pub use law::damper::{field_for_damping_kv_mm, viscosity_nm_s_rad};

@@ -1,12 +1,16 @@
 //! The real drivers against the simulated chips, byte for byte.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+use std::cell::Cell;
+use std::convert::Infallible;
 use std::f64::consts::TAU;
+use std::rc::Rc;
 
 use embedded_hal::delay::DelayNs;
+use embedded_hal::digital::OutputPin;
 use embedded_hal::spi::ErrorKind;
 use er_servo::drivers::ad2s1210::{self, Faults, Register, Settings};
-use er_servo::drivers::dac::{self, Part};
+use er_servo::drivers::dac::{self, Load, Part, When};
 use er_servo::drivers::scaling::{FIELD_LIMIT_KV_MM, FieldCode, TorqueCode};
 use plant::chips::ad2s1210::{COUNTS_PER_REV, Pin as ResolverPin};
 use plant::chips::dac::{Part as ChipPart, Pin as DacPin};
@@ -221,7 +225,7 @@ fn both_parts_start_at_zero_and_follow_commands() {
         let (socket, mut driver) = commands(part);
         driver.init(&mut socket.delay()).unwrap();
         assert_eq!(socket.with(|chip| chip.volts()), [0.0, 0.0]);
-        driver.write(TorqueCode::from_torque_nm(-12.5), FieldCode::from_field_kv_mm(3.0)).unwrap();
+        driver.write(TorqueCode::from_torque_nm(-12.5), FieldCode::from_field_kv_mm(3.0), When::Now).unwrap();
         socket.with(|chip| {
             assert!((chip.torque_nm() + 12.5).abs() < 0.5 * 30.0 / 32_768.0);
             assert!((chip.field_kv_mm() - 3.0).abs() < 0.5 * 4.0 / 65_536.0);
@@ -264,13 +268,78 @@ fn dead_dac_buses_are_seen() {
 fn a_failed_write_clears_both_outputs() {
     let (socket, mut driver) = commands(Part::Quad);
     driver.init(&mut socket.delay()).unwrap();
-    driver.write(TorqueCode::from_torque_nm(20.0), FieldCode::from_field_kv_mm(2.0)).unwrap();
+    let (torque, field) = (TorqueCode::from_torque_nm(20.0), FieldCode::from_field_kv_mm(2.0));
+    driver.write(torque, field, When::Now).unwrap();
     socket.fail_spi(Some(ErrorKind::ModeFault));
-    assert_eq!(
-        driver.write(TorqueCode::from_torque_nm(20.0), FieldCode::from_field_kv_mm(2.0)),
-        Err(dac::Error::Bus(ErrorKind::ModeFault))
-    );
+    assert_eq!(driver.write(torque, field, When::OnTime), Err(dac::Error::Bus(ErrorKind::ModeFault)));
     assert_eq!(socket.with(|chip| chip.volts()), [0.0, 0.0]);
+}
+
+/// LDAC as a timer drives it: its instant comes when the test says so.
+struct Timed {
+    pin: Pin<DacChip>,
+    high: Rc<Cell<bool>>,
+    past: Rc<Cell<bool>>,
+}
+
+impl Load for Timed {
+    type Error = Infallible;
+
+    fn loaded(&mut self) -> Result<bool, Infallible> {
+        Ok(!self.high.get())
+    }
+
+    fn hold(&mut self) -> Result<(), Infallible> {
+        self.high.set(true);
+        self.pin.set_high()
+    }
+
+    fn load(&mut self) -> Result<(), Infallible> {
+        self.high.set(false);
+        self.pin.set_low()
+    }
+
+    fn load_on_time(&mut self) -> Result<bool, Infallible> {
+        if self.past.get() { self.load().map(|()| false) } else { Ok(true) }
+    }
+}
+
+#[test]
+fn a_pair_waits_for_its_instant_and_outputs_that_did_not_take_it_are_cleared() {
+    let socket = Socket::new(DacChip::new(ChipPart::Quad));
+    let (high, past) = (Rc::new(Cell::new(false)), Rc::new(Cell::new(false)));
+    let ldac = Timed { pin: socket.pin(DacPin::Ldac), high: high.clone(), past: past.clone() };
+    let pins = dac::Pins { ldac, clear: socket.pin(DacPin::Clear) };
+    let mut driver = dac::Dac::new(socket.spi(), pins, Part::Quad);
+    driver.init(&mut socket.delay()).unwrap();
+    let pair = |torque_nm, field| (TorqueCode::from_torque_nm(torque_nm), FieldCode::from_field_kv_mm(field));
+    let outputs = || socket.with(|chip| chip.codes());
+    let fall = || {
+        high.set(false);
+        socket.with(|chip| chip.set_pin(DacPin::Ldac, false));
+    };
+
+    let (torque, field) = pair(10.0, 1.0);
+    assert_eq!(driver.write_and_ask(torque, field, When::OnTime), Ok(true));
+    assert_eq!(outputs(), [0, 0], "written, and waiting");
+    fall();
+    assert_eq!(outputs(), [torque.bits(), field.bits()]);
+    // Too late: whole, at once, and said. What was asked for is answered meanwhile.
+    past.set(true);
+    let (torque, field) = pair(-5.0, 2.0);
+    assert_eq!(driver.write(torque, field, When::OnTime), Ok(false));
+    assert_eq!(outputs(), [torque.bits(), field.bits()]);
+    past.set(false);
+    // A zero waits for nothing.
+    assert_eq!(driver.write(TorqueCode::ZERO, FieldCode::ZERO, When::Now), Ok(true));
+    assert_eq!(outputs(), [0, 0]);
+    // LDAC that does not fall leaves the outputs as they were: found with the next pair, cleared by the other pin.
+    driver.write(torque, field, When::Now).unwrap();
+    assert_eq!(driver.write(TorqueCode::ZERO, FieldCode::ZERO, When::OnTime), Ok(true));
+    assert_eq!(outputs(), [torque.bits(), field.bits()]);
+    assert_eq!(driver.write(TorqueCode::ZERO, FieldCode::ZERO, When::OnTime), Err(dac::Error::NotLoaded));
+    assert_eq!(outputs(), [0, 0]);
+    driver.init(&mut socket.delay()).unwrap();
 }
 
 #[test]

@@ -12,9 +12,10 @@ pub(crate) const POSITION_RANGE_RAD: f32 = 25_000.0;
 pub(crate) const EQUATION_5: [f32; 3] = [4.010, -9.277, 3.675];
 /// Control period of the image, s: its timer is fixed (board.md).
 pub const IMAGE_PERIOD_S: f32 = 0.0005;
-/// From the falling edge of SAMPLE until torque and field are at the outputs, s: the middle of the 6.8 to 12.1 us that the image
-/// takes on the emulated board (`host-sim/board/tests/budget.rs`), at one instruction a cycle; the path through the law decides.
-pub const SAMPLE_TO_OUTPUT_S: f64 = 9.4e-6;
+/// From the falling edge of SAMPLE until torque and field change at the outputs, ns: the image's timer makes both edges, so that it
+/// is the same in every tick. Twice what a tick takes to have the commands ready on the emulated board (`--test budget` in
+/// `host-sim/board`), as a core takes more than the cycle that the emulator counts for an instruction.
+pub const SAMPLE_TO_OUTPUT_NS: u32 = 30_000;
 
 /// What the law is built from. Names end in the unit; ranges stand in [`crate::parameters::TABLE`].
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -18,11 +18,14 @@
 //! 10), held against Analog Devices' own driver (no-OS, `drivers/dac/ad5754r`), which agrees in all of them and in that
 //! an answer stands in the second and third byte of the frame after the request.
 
+mod load;
+
 use core::fmt;
 
 use embedded_hal::delay::DelayNs;
 use embedded_hal::digital::OutputPin;
 use embedded_hal::spi::SpiDevice;
+pub use load::{Load, When};
 
 use super::scaling::{FieldCode, TorqueCode};
 
@@ -92,6 +95,8 @@ pub enum Error<E> {
     },
     /// An output stage has shut down or is at its current limit.
     Output(Status),
+    /// LDAC has not fallen since the pair before was sent: the outputs do not follow.
+    NotLoaded,
 }
 
 impl<E: fmt::Debug> fmt::Display for Error<E> {
@@ -108,6 +113,7 @@ impl<E: fmt::Debug> fmt::Display for Error<E> {
                 "command DAC: over-current A {}, over-current B {}, thermal shutdown {}",
                 status.over_current_a, status.over_current_b, status.thermal_shutdown
             ),
+            Self::NotLoaded => write!(f, "command DAC: LDAC did not fall, the outputs did not take the last commands"),
         }
     }
 }
@@ -145,12 +151,14 @@ pub struct Dac<Spi, Ldac, Clear> {
     spi: Spi,
     pins: Pins<Ldac, Clear>,
     part: Part,
+    /// The next frame is the answer to the question for the state of the output stages.
+    asked: bool,
 }
 
-impl<Spi: SpiDevice, Ldac: OutputPin, Clear: OutputPin> Dac<Spi, Ldac, Clear> {
+impl<Spi: SpiDevice, Ldac: Load, Clear: OutputPin> Dac<Spi, Ldac, Clear> {
     /// Takes the port and the pins; nothing is sent before [`Self::init`].
     pub fn new(spi: Spi, pins: Pins<Ldac, Clear>, part: Part) -> Self {
-        Self { spi, pins, part }
+        Self { spi, pins, part, asked: false }
     }
 
     /// Holds the outputs at 0 V, sets ranges, settings and power, reads each back, writes zero to both channels and only
@@ -162,7 +170,8 @@ impl<Spi: SpiDevice, Ldac: OutputPin, Clear: OutputPin> Dac<Spi, Ldac, Clear> {
     /// outputs stay cleared after an error.
     pub fn init(&mut self, delay: &mut impl DelayNs) -> Result<(), Error<Spi::Error>> {
         drive(self.pins.clear.set_low())?;
-        drive(self.pins.ldac.set_high())?;
+        drive(self.pins.ldac.hold())?;
+        self.asked = false;
         let b = self.part.address_b();
         let power = POWER_UP_REFERENCE | POWER_UP_A | self.part.power_up_b();
 
@@ -181,22 +190,36 @@ impl<Spi: SpiDevice, Ldac: OutputPin, Clear: OutputPin> Dac<Spi, Ldac, Clear> {
         }
         self.write_verified(REGISTER_DAC | ADDRESS_A, TorqueCode::ZERO.bits(), u16::MAX)?;
         self.write_verified(REGISTER_DAC | b, FieldCode::ZERO.bits(), u16::MAX)?;
-        drive(self.pins.ldac.set_low())?;
+        drive(self.pins.ldac.load())?;
         drive(self.pins.clear.set_high())
     }
 
-    /// Writes both commands and makes them act together: two frames of 24 clocks, then LDAC falls. LDAC stays low until
-    /// the next write, so its minimum width (20 ns) needs no waiting.
+    /// Writes both commands and makes them act together: two frames of 24 clocks with LDAC high, then it falls, at once or at
+    /// its instant of the tick. False where that instant is past: they then act at once, as a pair all the same. LDAC stays low
+    /// until the next write, so its minimum width (20 ns) needs no waiting.
     ///
     /// # Errors
     ///
-    /// Bus and pin errors; the outputs are cleared first, as one command without the other is none.
-    pub fn write(&mut self, torque: TorqueCode, field: FieldCode) -> Result<(), Error<Spi::Error>> {
-        let written = self.write_both(torque, field);
-        if written.is_err() {
-            self.clear()?;
-        }
-        written
+    /// Bus and pin errors, [`Error::NotLoaded`], and what the answer to [`Self::write_and_ask`] says, if that was the last:
+    /// [`Error::Output`], and [`Error::ReadBack`] if the part has lost its power settings (or does not answer). The outputs are
+    /// cleared first, as one command without the other is none.
+    pub fn write(&mut self, torque: TorqueCode, field: FieldCode, when: When) -> Result<bool, Error<Spi::Error>> {
+        self.write_or_clear(torque, field, when, false)
+    }
+
+    /// As [`Self::write`], and asks for the state of the output stages behind the two, in one more frame. The next write takes
+    /// the answer, so that nobody waits for it.
+    ///
+    /// # Errors
+    ///
+    /// As [`Self::write`].
+    pub fn write_and_ask(
+        &mut self,
+        torque: TorqueCode,
+        field: FieldCode,
+        when: When,
+    ) -> Result<bool, Error<Spi::Error>> {
+        self.write_or_clear(torque, field, when, true)
     }
 
     /// Forces both outputs to 0 V by the pin; they stay there until [`Self::init`]. Needs no bus.
@@ -208,35 +231,13 @@ impl<Spi: SpiDevice, Ldac: OutputPin, Clear: OutputPin> Dac<Spi, Ldac, Clear> {
         drive(self.pins.clear.set_low())
     }
 
-    /// Asks for the state of the output stages; one frame. [`Self::write_and_take_status`] must be the next one.
-    ///
-    /// # Errors
-    ///
-    /// Bus errors.
-    pub fn ask_status(&mut self) -> Result<(), Error<Spi::Error>> {
-        self.ask(REGISTER_POWER)
-    }
-
-    /// As [`Self::write`], and takes the answer to [`Self::ask_status`], which goes out during the first of the two frames.
-    ///
-    /// # Errors
-    ///
-    /// As [`Self::write`], [`Error::Output`], and [`Error::ReadBack`] if the part has lost its power settings (or does
-    /// not answer).
-    pub fn write_and_take_status(&mut self, torque: TorqueCode, field: FieldCode) -> Result<(), Error<Spi::Error>> {
-        let written = self.write_both_and_take(torque, field);
-        if written.is_err() {
-            self.clear()?;
-        }
-        written
-    }
-
     /// State of the output stages; two frames.
     ///
     /// # Errors
     ///
     /// Bus errors, and [`Error::ReadBack`] if the part has lost its power settings (or does not answer).
     pub fn status(&mut self) -> Result<Status, Error<Spi::Error>> {
+        self.asked = false;
         let read = self.fetch(REGISTER_POWER)?;
         self.checked(read)
     }
@@ -254,11 +255,57 @@ impl<Spi: SpiDevice, Ldac: OutputPin, Clear: OutputPin> Dac<Spi, Ldac, Clear> {
         }
     }
 
-    fn write_both(&mut self, torque: TorqueCode, field: FieldCode) -> Result<(), Error<Spi::Error>> {
-        drive(self.pins.ldac.set_high())?;
-        self.send(REGISTER_DAC | ADDRESS_A, torque.bits())?;
+    fn write_or_clear(
+        &mut self,
+        torque: TorqueCode,
+        field: FieldCode,
+        when: When,
+        ask: bool,
+    ) -> Result<bool, Error<Spi::Error>> {
+        let written = self.write_both(torque, field, when, ask);
+        if written.is_err() {
+            self.asked = false;
+            self.clear()?;
+        }
+        written
+    }
+
+    /// Nothing is on the bus any more when LDAC falls.
+    fn write_both(
+        &mut self,
+        torque: TorqueCode,
+        field: FieldCode,
+        when: When,
+        ask: bool,
+    ) -> Result<bool, Error<Spi::Error>> {
+        if !drive(self.pins.ldac.loaded())? {
+            return Err(Error::NotLoaded);
+        }
+        drive(self.pins.ldac.hold())?;
+        let answered = core::mem::take(&mut self.asked);
+        let [high, low] = torque.bits().to_be_bytes();
+        let mut frame = [REGISTER_DAC | ADDRESS_A, high, low];
+        if answered {
+            self.spi.transfer_in_place(&mut frame).map_err(Error::Bus)?;
+        } else {
+            self.spi.write(&frame).map_err(Error::Bus)?;
+        }
         self.send(REGISTER_DAC | self.part.address_b(), field.bits())?;
-        drive(self.pins.ldac.set_low())
+        if ask {
+            self.ask(REGISTER_POWER)?;
+            self.asked = true;
+        }
+        let in_time = drive(match when {
+            When::Now => self.pins.ldac.load().map(|()| true),
+            When::OnTime => self.pins.ldac.load_on_time(),
+        })?;
+        if answered {
+            let status = self.checked(u16::from_be_bytes([frame[1], frame[2]]))?;
+            if !status.is_ok() {
+                return Err(Error::Output(status));
+            }
+        }
+        Ok(in_time)
     }
 
     fn write_verified(&mut self, register: u8, value: u16, mask: u16) -> Result<(), Error<Spi::Error>> {
@@ -270,17 +317,6 @@ impl<Spi: SpiDevice, Ldac: OutputPin, Clear: OutputPin> Dac<Spi, Ldac, Clear> {
     fn send(&mut self, register: u8, value: u16) -> Result<(), Error<Spi::Error>> {
         let [high, low] = value.to_be_bytes();
         self.spi.write(&[register, high, low]).map_err(Error::Bus)
-    }
-
-    fn write_both_and_take(&mut self, torque: TorqueCode, field: FieldCode) -> Result<(), Error<Spi::Error>> {
-        drive(self.pins.ldac.set_high())?;
-        let [high, low] = torque.bits().to_be_bytes();
-        let mut frame = [REGISTER_DAC | ADDRESS_A, high, low];
-        self.spi.transfer_in_place(&mut frame).map_err(Error::Bus)?;
-        self.send(REGISTER_DAC | self.part.address_b(), field.bits())?;
-        drive(self.pins.ldac.set_low())?;
-        let status = self.checked(u16::from_be_bytes([frame[1], frame[2]]))?;
-        if status.is_ok() { Ok(()) } else { Err(Error::Output(status)) }
     }
 
     /// The state that the power register tells, if it holds what it should.
@@ -307,6 +343,6 @@ impl<Spi: SpiDevice, Ldac: OutputPin, Clear: OutputPin> Dac<Spi, Ldac, Clear> {
     }
 }
 
-fn drive<P, E>(result: Result<(), P>) -> Result<(), Error<E>> {
+fn drive<T, P, E>(result: Result<T, P>) -> Result<T, Error<E>> {
     result.map_err(|_| Error::Pin)
 }

@@ -3,9 +3,9 @@
 //! | pin | signal | scaling, level |
 //! |---|---|---|
 //! | PA5, PA6, PA7, PA4 | SPI1 SCK, MISO, MOSI, select of the AD2S1210 (WR/FSYNC) | mode 1, 21 MHz (25 at most) |
-//! | PB0, PB1, PB2, PB10 | SAMPLE, A0, A1, RESET of the AD2S1210 | pull-down on RESET |
+//! | PB0, PB1, PB2, PB10 | SAMPLE (TIM3 channel 3), A0, A1, RESET of the AD2S1210 | pull-down on RESET |
 //! | PB13, PB14, PB15, PB12 | SPI2 SCK, MISO, MOSI, select of the AD5754R (SYNC) | mode 1, 21 MHz to write, 10.5 MHz to read |
-//! | PC6, PC7 | LDAC, CLR of the AD5754R | pull-down on CLR: outputs 0 V until the image runs |
+//! | PC6, PC7 | LDAC (TIM3 channel 1), CLR of the AD5754R | pull-down on CLR: outputs 0 V until the image runs |
 //! | PC0 | ADC1 channel 10, field monitor | 0..3.3 V is 0..4 kV/mm |
 //! | PC1 | high-voltage interlock | high: closed; internal pull-down |
 //! | PC2 | emergency stop | high: released; internal pull-down |
@@ -38,10 +38,10 @@ use stm32f4xx_hal::rcc;
 use stm32f4xx_hal::serial::config::DmaConfig;
 use stm32f4xx_hal::serial::{self, Rx, Serial, Tx};
 use stm32f4xx_hal::spi::Spi;
-use stm32f4xx_hal::timer::{CounterHz, Event};
 use stm32f4xx_hal::watchdog::IndependentWatchdog;
 
 use super::clock;
+use super::edges::{self, Edges, Ldac, Sample};
 use super::pin::{In, Out};
 use super::spi::{Device, FastWrites};
 use super::storage::Storage;
@@ -67,8 +67,10 @@ const START_WATCHDOG_MS: u32 = 2000;
 /// What the application loop is wired to.
 pub type Hardware = Wiring<
     Device<pac::SPI1, 'A'>,
+    Sample,
     Out<'B'>,
     FastWrites<Device<pac::SPI2, 'B'>>,
+    Ldac,
     Out<'C'>,
     In<'C'>,
     Out<'C'>,
@@ -80,8 +82,8 @@ pub type Hardware = Wiring<
 pub struct Board {
     /// The application loop with its hardware; its chips are up, or their fault is reported at every tick.
     pub servo: Servo<Hardware>,
-    /// 2 kHz, not started.
-    pub timer: CounterHz<pac::TIM2>,
+    /// 2 kHz, without ticks yet.
+    pub edges: Edges,
     /// Running.
     pub watchdog: IndependentWatchdog,
     /// Where the interrupt puts frames.
@@ -142,13 +144,15 @@ impl Board {
         let spi2 = Spi::new(device.SPI2, spi2_pins, MODE_1, 10_500.kHz(), &mut rcc);
         let select_resolver: Out<'A'> = a.pa4.into_push_pull_output().erase_number().into();
         let select_dac: Out<'B'> = b.pb12.into_push_pull_output().erase_number().into();
+        // Before its pins are outputs, so that they come up high.
+        let edges = Edges::new(device.TIM3);
         let resolver_pins = ad2s1210::Pins {
-            sample: b.pb0.into_push_pull_output().erase_number().into(),
+            sample: Sample::new(b.pb0.into_alternate()),
             a0: b.pb1.into_push_pull_output().erase_number().into(),
             a1: b.pb2.into_push_pull_output().erase_number().into(),
             reset: b.pb10.into_push_pull_output().erase_number().into(),
         };
-        let dac_pins = dac::Pins { ldac: c.pc6.into_push_pull_output().erase_number().into(), clear };
+        let dac_pins = dac::Pins { ldac: Ldac::new(c.pc6.into_alternate()), clear };
         let wiring = Wiring {
             resolver: Ad2s1210::new(Device::new(spi1, select_resolver), resolver_pins),
             dac: Dac::new(FastWrites::new(Device::new(spi2, select_dac)), dac_pins, Part::Quad),
@@ -160,18 +164,16 @@ impl Board {
             fault_lamp: c.pc9.into_push_pull_output().erase_number().into(),
             brake_feedback: c.pc3.into_push_pull_output().erase_number().into(),
             monitor: Monitor::new(device.ADC1, c.pc0.into_analog(), &mut rcc),
-            delay: CycleDelay::default(),
+            delay: CycleDelay,
         };
         let servo = Servo::new(wiring, Params::new(&config).ok()?);
-        let mut timer = device.TIM2.counter_hz(&mut rcc);
-        timer.listen(Event::Update);
         let serial_config = serial::Config::default().baudrate(BAUD.bps()).dma(DmaConfig::Rx);
         let (tx, rx) = Serial::new(device.USART2, (a.pa2, a.pa3), serial_config, &mut rcc).ok()?.split();
         let streams = StreamsTuple::new(device.DMA1, &mut rcc);
         let ring = Ring::start(streams.5, rx, singleton!(: [u8; RING_BYTES] = [0; RING_BYTES])?);
         Some(Self {
             servo,
-            timer,
+            edges,
             watchdog,
             frames_in,
             frames,
@@ -279,33 +281,27 @@ impl FieldMonitor for Monitor {
     }
 }
 
-/// Waits by the core's cycle counter: start-up, and the few hundred nanoseconds of a tick that a chip asks for.
-#[derive(Debug, Default)]
-pub struct CycleDelay {
-    marked: u32,
-}
+/// Waits by the core's cycle counter at start-up; in a tick by the timer that has made SAMPLE fall.
+#[derive(Debug)]
+pub struct CycleDelay;
 
 fn cycles(wait_ns: u32) -> u32 {
     // 168 cycles a microsecond; the division by 1000 as a shift, rounded up: 0.168 * 2^20.
     ((u64::from(wait_ns) * 176_161) >> 20) as u32 + 1
 }
 
-fn wait_until(from: u32, cycles: u32) {
-    while DWT::cycle_count().wrapping_sub(from) < cycles {}
-}
-
 impl DelayNs for CycleDelay {
     fn delay_ns(&mut self, wait_ns: u32) {
-        wait_until(DWT::cycle_count(), cycles(wait_ns));
+        let (from, cycles) = (DWT::cycle_count(), cycles(wait_ns));
+        while DWT::cycle_count().wrapping_sub(from) < cycles {}
     }
 }
 
 impl SampleDelay for CycleDelay {
-    fn mark(&mut self) {
-        self.marked = DWT::cycle_count();
-    }
+    // The timer knows.
+    fn mark(&mut self) {}
 
     fn wait_since_mark(&mut self, wait_ns: u32) {
-        wait_until(self.marked, cycles(wait_ns));
+        edges::wait_since_sample(wait_ns);
     }
 }

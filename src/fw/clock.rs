@@ -9,7 +9,7 @@ pub const CORE_HZ: u32 = 168_000_000;
 /// Counts a second of the free-running timer.
 const MICROSECONDS_HZ: u32 = 1_000_000;
 /// APB1 timers run at twice the 42 MHz of their bus.
-const TIMER_HZ: u32 = 84_000_000;
+pub const TIMER_HZ: u32 = 84_000_000;
 /// Looks at the random generator, which makes a number in 40 periods of 48 MHz: 140 core cycles.
 const RANDOM_LOOKS: u32 = 1000;
 
@@ -18,8 +18,8 @@ pub fn start(registers: pac::RCC) -> Rcc {
     let config = rcc::Config::hse(8.MHz()).sysclk(CORE_HZ.Hz()).pclk1(42.MHz()).pclk2(84.MHz()).require_pll48clk();
     let rcc = registers.freeze(config);
     rcc.cr().modify(|_, w| w.csson().on());
-    // The free-running timer and the random generator.
-    rcc.apb1enr().modify(|_, w| w.tim5en().set_bit());
+    // The timer of the tick, the free-running one, and the random generator.
+    rcc.apb1enr().modify(|_, w| w.tim3en().set_bit().tim5en().set_bit());
     rcc.ahb2enr().modify(|_, w| w.rngen().set_bit());
     rcc
 }
@@ -29,7 +29,7 @@ pub fn start(registers: pac::RCC) -> Rcc {
 pub fn go_on_when_halted(debug: &pac::DBGMCU) {
     debug
         .apb1_fz()
-        .modify(|_, w| w.dbg_iwdg_stop().clear_bit().dbg_tim2_stop().clear_bit().dbg_tim5_stop().clear_bit());
+        .modify(|_, w| w.dbg_iwdg_stop().clear_bit().dbg_tim3_stop().clear_bit().dbg_tim5_stop().clear_bit());
     debug.cr().modify(|_, w| w.dbg_sleep().set_bit());
 }
 

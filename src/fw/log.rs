@@ -203,5 +203,6 @@ fn dac_failed<E>(error: &dac::Error<E>) {
             status.over_current_b,
             status.thermal_shutdown
         ),
+        Error::NotLoaded => defmt::error!("command DAC: LDAC did not fall"),
     }
 }

@@ -2,13 +2,14 @@
 //!
 //! | priority | runs | may |
 //! |---|---|---|
-//! | TIM2 interrupt, highest | [`tick`]: read, one step, write, enqueue | neither log, wait nor allocate |
+//! | TIM3 interrupt, highest | [`tick`]: read, one step, write, enqueue | neither log, wait nor allocate |
 //! | thread mode | [`log`], [`link`], storage, watchdog | take the tick's data for a few microseconds at a time |
 //!
 //! A crystal that fails is a non-maskable interrupt, which ends in the safe state ([`safe`]). There is no other interrupt: the link is received by DMA, so that its bytes, however many, cost the tick nothing.
 
 mod board;
 mod clock;
+mod edges;
 mod link;
 mod log;
 mod pin;
@@ -60,7 +61,7 @@ extern "C" fn thread() -> ! {
         log::init_failed(&error);
     }
     board.watchdog.feed();
-    tick::start(board.servo, board.timer, board.frames_in, board.offsets, board.reset_faults);
+    tick::start(board.servo, board.edges, board.frames_in, board.offsets, board.reset_faults);
     let server = Server::new(board.config, board.source);
     let mut link = Link::new(board.ring, board.tx, board.storage, server, board.offsets_in);
     loop {

@@ -63,7 +63,7 @@ impl<S: Instance, const PORT: char> Device<S, PORT> {
                 }
             }
             Operation::DelayNs(wait_ns) => {
-                embedded_hal::delay::DelayNs::delay_ns(&mut super::board::CycleDelay::default(), *wait_ns);
+                embedded_hal::delay::DelayNs::delay_ns(&mut super::board::CycleDelay, *wait_ns);
                 Ok(())
             }
         }

@@ -10,19 +10,18 @@ use er_servo::motion::MotionLimits;
 use er_servo::{Counts, Faults, Frame, Params, State, Supervisor, Timing};
 use heapless::spsc::{Consumer, Producer};
 use stm32f4xx_hal::pac::{self, interrupt};
-use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::spi;
-use stm32f4xx_hal::timer::{CounterHz, Flag};
 
 use super::board::{Hardware, QUEUE_FRAMES, QUEUE_OFFSETS};
+use super::edges::Edges;
 use super::{clock, safe};
 
 /// Ticks a second.
-const TICK_HZ: u32 = 2000;
+pub const TICK_HZ: u32 = 2000;
 /// The same in a millisecond.
 pub const TICKS_PER_MS: u32 = TICK_HZ / 1000;
-/// A tick that begins later than this after the one before is an overrun: a quarter of a period.
-const LATE_US: u32 = 1_000_000 / TICK_HZ * 5 / 4;
+/// A tick that begins earlier or later than this after the one before is an overrun: a quarter of a period either way.
+const ON_TIME_US: core::ops::RangeInclusive<u32> = 1_000_000 / TICK_HZ * 3 / 4..=1_000_000 / TICK_HZ * 5 / 4;
 /// The link is silent after so many ticks.
 const SILENT_TICKS: u32 = (SILENCE_S * TICK_HZ as f32) as u32;
 
@@ -32,7 +31,7 @@ pub type HardwareError = InitError<spi::Error, spi::Error>;
 /// What the interrupt works on. Thread mode takes it for a few microseconds at a time, with interrupts off.
 pub struct Tick {
     servo: Servo<Hardware>,
-    timer: CounterHz<pac::TIM2>,
+    edges: Edges,
     frames: Producer<'static, Frame, QUEUE_FRAMES>,
     offsets: Consumer<'static, Offset, QUEUE_OFFSETS>,
     /// What thread mode wants of the next tick.
@@ -50,16 +49,15 @@ static TICK: Mutex<RefCell<Option<Tick>>> = Mutex::new(RefCell::new(None));
 /// Starts the ticks.
 pub fn start(
     servo: Servo<Hardware>,
-    mut timer: CounterHz<pac::TIM2>,
+    mut edges: Edges,
     frames: Producer<'static, Frame, QUEUE_FRAMES>,
     offsets: Consumer<'static, Offset, QUEUE_OFFSETS>,
     reset_faults: Faults,
 ) {
-    // 2 kHz divides the timer's clock; a timer that refuses never ticks, and the watchdog says so.
-    let _ = timer.start(TICK_HZ.Hz());
+    edges.start();
     let tick = Tick {
         servo,
-        timer,
+        edges,
         frames,
         offsets,
         commander: Commander::new(reset_faults, SILENT_TICKS),
@@ -80,23 +78,25 @@ pub fn with<T>(act: impl FnOnce(&mut Tick) -> T) -> Option<T> {
 /// Runs `act` with no tick before it has ended, however long it takes; the outputs stay as they are, so only in a safe
 /// state.
 pub fn paused<T>(act: impl FnOnce() -> T) -> T {
-    NVIC::mask(pac::Interrupt::TIM2);
+    NVIC::mask(pac::Interrupt::TIM3);
+    with(|tick| tick.edges.stop());
     let result = act();
     with(|tick| {
         tick.began = None;
         tick.servo.pause();
-        tick.timer.clear_flags(Flag::Update);
+        tick.edges.start();
     });
-    NVIC::unpend(pac::Interrupt::TIM2);
     unmask();
     result
 }
 
 fn unmask() {
+    // The timer has run on meanwhile: what it has asked for since is no tick.
+    NVIC::unpend(pac::Interrupt::TIM3);
     // SAFETY: the data of the handler is in place; no critical section depends on the mask.
     #[allow(unsafe_code)]
     unsafe {
-        NVIC::unmask(pac::Interrupt::TIM2);
+        NVIC::unmask(pac::Interrupt::TIM3);
     }
 }
 
@@ -135,8 +135,8 @@ impl Tick {
     fn run(&mut self) {
         let began = DWT::cycle_count();
         let now_us = clock::microseconds();
-        self.timer.clear_flags(Flag::Update);
-        let late = self.began.is_some_and(|before| now_us.wrapping_sub(before) > LATE_US);
+        self.edges.begin();
+        let late = self.began.is_some_and(|before| !ON_TIME_US.contains(&now_us.wrapping_sub(before)));
         self.began = Some(now_us);
         self.servo.sample();
 
@@ -166,6 +166,6 @@ impl Tick {
 }
 
 #[interrupt]
-fn TIM2() {
+fn TIM3() {
     with(Tick::run);
 }

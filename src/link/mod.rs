@@ -33,7 +33,7 @@ pub use crate::motion::Pace;
 /// Baud rate, 8N1.
 pub const BAUD: u32 = 921_600;
 /// Version of the messages; another one is refused.
-pub const PROTOCOL: u16 = 4;
+pub const PROTOCOL: u16 = 5;
 /// Longest packet as it is sent, the zero included.
 pub const PACKET_BYTES: usize = 128;
 /// Longest packet of telemetry as it is sent.
@@ -328,6 +328,8 @@ pub enum Answer {
         parameters: u8,
         /// Which image it is.
         build: [u8; 8],
+        /// From the sampling of the position until the outputs change, ns.
+        sample_to_output_ns: u32,
     },
     /// Carried out.
     Done,

@@ -6,8 +6,8 @@ use super::{
 };
 use crate::storage::StorageError;
 use crate::{
-    Config, ConfigError, Counts, FRAME_SCHEMA, Faults, InputFlags, Params, Request, Supervisor, TORQUE_CEILING_NM,
-    parameters,
+    Config, ConfigError, Counts, FRAME_SCHEMA, Faults, InputFlags, Params, Request, SAMPLE_TO_OUTPUT_NS, Supervisor,
+    TORQUE_CEILING_NM, parameters,
 };
 
 #[derive(Debug)]
@@ -134,6 +134,7 @@ impl Server {
             frame_schema: FRAME_SCHEMA,
             parameters: parameters::TABLE.len() as u8,
             build: drive.build(),
+            sample_to_output_ns: SAMPLE_TO_OUTPUT_NS,
         }
     }
 

@@ -10,7 +10,7 @@ use er_servo::link::{
     Answer, Command, PACKET_BYTES, PROTOCOL, Pace, Packet, ParameterSource, Receiver, Refusal, Reply, Server, Status,
     Target, encode,
 };
-use er_servo::{Config, Faults, InputFlags, Params, Request, parameters};
+use er_servo::{Config, Faults, InputFlags, Params, Request, SAMPLE_TO_OUTPUT_NS, parameters};
 use messages::{any_answer, any_command, any_packet};
 use proptest::prelude::*;
 
@@ -41,8 +41,9 @@ impl Linked {
     fn hello(&mut self) {
         let packet = Packet { session: 0, sequence: 9, command: Command::Hello };
         match self.feed(&bytes(&packet))[..] {
-            [Reply { sequence: 9, answer: Answer::Hello { session, protocol, build, .. } }] => {
+            [Reply { sequence: 9, answer: Answer::Hello { session, protocol, build, sample_to_output_ns, .. } }] => {
                 assert_eq!((protocol, build), (PROTOCOL, *b"er-servo"));
+                assert_eq!(sample_to_output_ns, SAMPLE_TO_OUTPUT_NS);
                 (self.session, self.sequence) = (session, 0);
             }
             ref other => panic!("{other:?}"),

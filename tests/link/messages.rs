@@ -118,14 +118,15 @@ pub fn any_answer() -> impl Strategy<Value = Answer> {
         Refusal::ParametersDamaged,
     ];
     prop_oneof![
-        (any::<u32>(), any::<bool>(), any::<u16>(), any::<u8>(), any::<u8>(), any::<[u8; 8]>()).prop_map(
-            |(session, observer, protocol, frame_schema, parameters, build)| Answer::Hello {
+        (any::<[u32; 2]>(), any::<bool>(), any::<u16>(), any::<u8>(), any::<u8>(), any::<[u8; 8]>()).prop_map(
+            |([session, sample_to_output_ns], observer, protocol, frame_schema, parameters, build)| Answer::Hello {
                 session,
                 observer,
                 protocol,
                 frame_schema,
                 parameters,
-                build
+                build,
+                sample_to_output_ns
             }
         ),
         Just(Answer::Done),

@@ -4,15 +4,19 @@ use std::num::{NonZeroU32, NonZeroU64};
 
 use plant::chips::dac::Part;
 use plant::chips::{Ad2s1210, Dac};
-use rigless::device::Level;
+use rigless::device::{Device, Level};
 use rigless::machine::{Board, Crystal, Supply, Target, armv7m};
 use rigless::mcu::{Mcu, Operate};
 use rigless::snapshot::{Error as SnapshotError, Reader, Store, Writer};
 use rigless::soc::Error;
 use rigless::soc::stm32f427::Stm32f427;
+use rigless::soc::stm32f427::generated::tim2::Register::{
+    Arr, Ccer, Ccmr1Output, Ccmr2Output, Ccr1, Ccr3, Cnt, Cr1, Dier, Psc,
+};
 use rigless::soc::stm32f427::peripherals::adc::Channel;
-use rigless::soc::stm32f427::peripherals::gpio::Pin;
+use rigless::soc::stm32f427::peripherals::gpio::{Gpio, Pin};
 use rigless::soc::stm32f427::peripherals::spi::Select;
+use rigless::soc::stm32f427::peripherals::tim::Channel as TimerChannel;
 use rigless::time::VirtualNanos;
 
 use crate::chip::OnBus;
@@ -26,6 +30,12 @@ const CORE_HZ: u64 = 168_000_000;
 const SPI1: usize = 0;
 const SPI2: usize = 1;
 const USART2: usize = 1;
+/// TIM3 by the order of the part's table of timers.
+const TIM3: usize = 1;
+/// Alternate function with which a pin is an output of TIM3.
+const TIM3_FUNCTION: u8 = 2;
+/// Channels of TIM3 and the pins that they are wired to inside the part: the emulator leaves that to the board.
+const TIMED: [(u8, Port, u8); 2] = [(3, Port::B, 0), (1, Port::C, 6)];
 /// ADC1 channel 10 is PC0.
 const MONITOR_CHANNEL: u8 = 10;
 const RAIL_MILLIVOLTS: u32 = 3300;
@@ -94,6 +104,35 @@ impl ServoBoard {
     pub fn level(&mut self, port: Port, pin: u8) -> bool {
         let (gpio, registers) = self.mcu.port(port as usize);
         Pin::new(pin).is_some_and(|pin| gpio.level(pin, registers) == Level::High)
+    }
+
+    /// Puts the outputs of the timer's channels on the pins that carry them.
+    pub fn carry_timer(&mut self, at: VirtualNanos) {
+        for (channel, port, pin) in TIMED {
+            let (Some(channel), Some(pin)) = (TimerChannel::new(channel), Pin::new(pin)) else { continue };
+            let (_, registers) = self.mcu.port(port as usize);
+            if Gpio::function(pin, registers) != Some(TIM3_FUNCTION) {
+                continue;
+            }
+            let (timer, registers) = self.mcu.timer(TIM3);
+            let level = timer.output(channel, registers);
+            self.mcu.drive_port(at, port as usize, |gpio, registers, context| {
+                gpio.drive_function(pin, level, registers, context);
+            });
+        }
+    }
+
+    /// Flips a bit of a register of the tick's timer; the seed says which.
+    pub fn upset_timer(&mut self, at: VirtualNanos, seed: u64) {
+        let registers = [Cr1, Dier, Ccmr1Output, Ccmr2Output, Ccer, Cnt, Psc, Arr, Ccr1, Ccr3];
+        let register = registers[(seed % registers.len() as u64) as usize];
+        let bit = 1 << (seed / registers.len() as u64 % 16);
+        self.mcu.drive_timer(at, TIM3, |timer, file, context| {
+            // The count is the model's own; every other register is in the file.
+            let before = timer.peek(register, file, at).unwrap_or_else(|| file.get(register));
+            file.set(register, before ^ bit);
+            timer.write(register, before ^ bit, file, context);
+        });
     }
 
     /// Drives a pin from outside.

@@ -23,6 +23,13 @@ const STRIDE_NS: u64 = 500_000;
 /// Registers of the ports A to C.
 const PORTS: std::ops::Range<u64> = 0x4002_0000..0x4002_0C00;
 
+/// Registers of the timer whose channels are pins.
+const TIM3: std::ops::Range<u64> = 0x4000_0400..0x4000_0800;
+
+/// Mode of LDAC's channel, and the value with which it falls at the next match.
+const TIM3_CCMR1: u64 = 0x4000_0418;
+const FALLS_AT_MATCH: u64 = 0b010 << 4;
+
 /// First register of port C.
 const PORT_C: u64 = 0x4002_0800;
 /// Registers of the first converter.
@@ -78,7 +85,13 @@ pub struct World {
     pub commands: Vec<CommandSeen>,
     /// Instants of the falling edges of SAMPLE.
     pub samples: Vec<VirtualNanos>,
-    /// Angle of the rotor at each of them, rad.
+    /// Instants at which LDAC was low and the outputs of the DAC took what was written.
+    pub loads: Vec<VirtualNanos>,
+    /// Instants at which a tick had its commands ready and told LDAC to fall at its count.
+    pub armed: Vec<VirtualNanos>,
+    /// Edges of the heartbeat: ends of ticks.
+    pub beats: Vec<VirtualNanos>,
+    /// Angle of the rotor at each sample, rad.
     pub angles_rad: Vec<f64>,
     /// Instructions to watch; give them before the run.
     pub watch: Vec<u64>,
@@ -130,6 +143,9 @@ impl World {
             probe: None,
             commands: Vec::new(),
             samples: Vec::new(),
+            loads: Vec::new(),
+            armed: Vec::new(),
+            beats: Vec::new(),
             angles_rad: Vec::new(),
             watch: Vec::new(),
             hits: Vec::new(),
@@ -173,6 +189,7 @@ impl World {
 
     /// Carries the levels of the MCU's pins to the chips.
     fn carry_pins(&mut self, board: &mut ServoBoard, now: VirtualNanos) {
+        board.carry_timer(now);
         let pins = Pins {
             sample: board.level(Port::B, 0),
             a0: board.level(Port::B, 1),
@@ -185,6 +202,7 @@ impl World {
         };
         let before = std::mem::replace(&mut self.pins, pins);
         if pins == before {
+            self.look_for_torn_pair(board, now);
             return;
         }
         if before.sample && !pins.sample {
@@ -201,7 +219,11 @@ impl World {
         }
         let beats = before.heartbeat != pins.heartbeat;
         if beats {
+            self.beats.push(now);
             self.beat_at = now;
+        }
+        if before.ldac && !pins.ldac {
+            self.loads.push(now);
         }
         let starts = beats && std::mem::take(&mut self.released);
         let loads =
@@ -211,6 +233,14 @@ impl World {
             dac.chip.set_pin(DacPin::Ldac, pins.ldac);
         }
         if loads {
+            self.take_commands(board, now);
+        }
+    }
+
+    /// Outputs that follow a single frame, as LDAC is low while it is written, act like any others.
+    fn look_for_torn_pair(&mut self, board: &mut ServoBoard, now: VirtualNanos) {
+        let before = self.commands.last().map_or([0, 0], |command| command.codes);
+        if board.dac().is_some_and(|dac| dac.chip.codes() != before) {
             self.take_commands(board, now);
         }
     }
@@ -234,7 +264,10 @@ impl Driver<ServoBoard> for World {
                 if ADC1.contains(&access.address) {
                     self.last_input = Some(access.instruction_count);
                 }
-                if PORTS.contains(&access.address) {
+                if access.address == TIM3_CCMR1 && access.value == FALLS_AT_MATCH {
+                    self.armed.push(access.virtual_time);
+                }
+                if PORTS.contains(&access.address) || TIM3.contains(&access.address) {
                     if access.address >= PORT_C
                         && let Some(input) = self.last_input.take()
                     {
@@ -243,6 +276,8 @@ impl Driver<ServoBoard> for World {
                     self.carry_pins(session.board_mut(), access.virtual_time);
                 }
             }
+            // The timer moves its pins without the core.
+            Settled::Stop(stop) => self.carry_pins(session.board_mut(), stop.at),
             Settled::Hit(hit) => self.hits.push((hit.address, hit.instruction_count)),
             _ => {}
         }

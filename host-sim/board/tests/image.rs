@@ -15,6 +15,8 @@ use er_servo::experiment::{Experiment, Shape};
 use er_servo::link::{Answer, Command, Refusal};
 use er_servo::parameters::TABLE;
 use er_servo::{Config, Counts, Faults, Frame, Mode, Params, State, Supervisor, step};
+use rigless::mcu::Operate;
+use rigless::soc::Width;
 use wire::log::{Entry, Image, recordings};
 
 /// 120 pole pairs of 12 bit.
@@ -32,10 +34,11 @@ fn boots_to_ready_and_ticks_at_2_khz() {
     assert!(events[0].starts_with("er-servo"), "{events:?}");
     assert!(events.iter().any(|event| event.ends_with("ready")), "{events:?}");
     assert_eq!(run.driver.link.status().unwrap().state, 1);
-    let ticks = run.driver.samples.windows(2).skip(200).map(|pair| pair[1].0 - pair[0].0);
-    for period_ns in ticks {
-        assert!((499_000..501_000).contains(&period_ns), "{period_ns} ns");
-    }
+    // A sample every half millisecond, and a tick that makes use of it.
+    let samples = run.driver.samples.windows(2).skip(200).map(|pair| pair[1].0 - pair[0].0);
+    samples.for_each(|period_ns| assert!((499_990..500_010).contains(&period_ns), "{period_ns} ns"));
+    let beats = run.driver.beats.windows(2).skip(200).map(|pair| pair[1].0 - pair[0].0);
+    beats.for_each(|period_ns| assert!((490_000..510_000).contains(&period_ns), "{period_ns} ns"));
 }
 
 #[test]
@@ -136,10 +139,11 @@ fn a_recording_over_the_link_has_every_tick_to_the_bit_beside_the_answers() {
 
 /// Codes at the DAC after the write of a tick.
 fn written_in(run: &common::Run, seq: u32) -> [u16; 2] {
-    // The first two samples are those of the converter's start-up; a tick's write follows its sample.
+    // The first two samples are those of the converter's start-up; a tick's load follows its sample.
     let sample = run.driver.samples[seq as usize + 2];
-    let at = run.driver.commands.partition_point(|command| command.at <= sample);
-    run.driver.commands[at..].iter().find(|command| command.at > sample).unwrap().codes
+    let loads = &run.driver.loads;
+    let loaded = loads[loads.partition_point(|at| *at <= sample)];
+    run.driver.commands.iter().find(|command| command.at == loaded).unwrap().codes
 }
 
 /// What differs between the three sets: the defaults; soft gains with a slow filter and a brake that holds; stiff gains
@@ -274,4 +278,18 @@ fn clears_in_a_row_do_not_starve_the_watchdog() {
     let answers =
         run.driver.link.replies.iter().filter(|(_, reply)| reply.answer == Answer::Refused(Refusal::Hardware));
     assert_eq!(answers.count(), 5, "{:?}", run.driver.link.replies);
+}
+
+#[test]
+fn the_image_sets_the_part_up_within_its_limits() {
+    let firmware = firmware();
+    let mut run = firmware.run(world(&firmware, 120.0)).unwrap();
+    let now = run.stop.unwrap().at;
+    let mut register = |address| run.session.board_mut().mcu.peek(now, address, Width::W32).unwrap();
+    // C_ADC CCR, ADCPRE: a quarter of 84 MHz; the converter takes 36 at most.
+    assert_eq!(register(0x4001_2304) >> 16 & 0b11, 0b01);
+    // RCC CR, CSSON: a crystal that fails is a non-maskable interrupt.
+    assert_eq!(register(0x4002_3800) >> 19 & 1, 1);
+    // DBGMCU APB1_FZ: the watchdog and the timers TIM3 and TIM5 run on while a debugger holds the core.
+    assert_eq!(register(0xE004_2008) & (1 << 12 | 1 << 1 | 1 << 3), 0);
 }

@@ -87,6 +87,11 @@ impl Session {
         self.known(outcome)
     }
 
+    /// From the sampling of the position until the drive's outputs change, as its image says, s.
+    pub fn sample_to_output_s(&self) -> f64 {
+        self.connection.sample_to_output_s
+    }
+
     /// Makes parameters those of the law.
     ///
     /// # Errors

@@ -106,6 +106,8 @@ pub struct Connection<S> {
     pub build: Build,
     /// Another client commands the drive: it may be read and stopped.
     pub observer: bool,
+    /// From the sampling of the position until torque and field change at the drive's outputs, s.
+    pub sample_to_output_s: f64,
     parameters: u8,
 }
 
@@ -120,15 +122,18 @@ impl<S: Read + Write> Connection<S> {
         let clock = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
         let client = Client::after(clock.as_millis() as u32 & u32::MAX >> 1);
         let build = Build::default();
-        let mut connection = Self { stream, client, persistence, bytes: 0, build, observer: false, parameters: 0 };
+        let (observer, parameters, sample_to_output_s) = (false, 0, 0.0);
+        let mut connection =
+            Self { stream, client, persistence, bytes: 0, build, observer, sample_to_output_s, parameters };
         let (answer, attempts) = connection.converse(Command::Hello)?;
-        let Answer::Hello { protocol, parameters, build, observer, .. } = answer else {
+        let Answer::Hello { protocol, parameters, build, observer, sample_to_output_ns, .. } = answer else {
             return Err(LinkError::Unexpected { command: Command::Hello, answer: Box::new(answer) });
         };
         if protocol != PROTOCOL {
             return Err(LinkError::Protocol { drive: protocol });
         }
         (connection.build, connection.parameters, connection.observer) = (build, parameters, observer);
+        connection.sample_to_output_s = f64::from(sample_to_output_ns) / 1e9;
         if attempts > 1 {
             // Each hello opens a session of its own: the last one to be answered is the one that holds.
             connection.listen(None, persistence.patience)?;

@@ -6,13 +6,16 @@ pub mod flash;
 use std::path::{Path, PathBuf};
 
 use board::bench::Firmware;
+use board::core::{Hand, Upset};
 use board::machine::ServoBoard;
 use board::rotor::Rotor;
 use board::rtt::Probe;
 use board::world::{AMPLIFIER_READY, INTERLOCK, STOP_RELEASED, World};
 use er_servo::experiment::{Experiment, Shape};
 use er_servo::link::Command;
-use rigless::emulator::Finished;
+use object::{Object, ObjectSection, ObjectSymbol};
+use rigless::emulator::{Finished, Host};
+use rigless::soc::Width;
 use rigless::time::VirtualNanos;
 use wire::log::{Entry, Image, Recording, recordings};
 
@@ -51,6 +54,35 @@ pub fn world(firmware: &Firmware, end_ms: f64) -> World {
     world.drive_at(ms(0.0), STOP_RELEASED, true);
     world.drive_at(ms(0.0), AMPLIFIER_READY, true);
     world
+}
+
+/// A function of the image that panics at a place that is handed to it, and text of the image.
+#[derive(Debug, Clone, Copy)]
+pub struct Panics {
+    function: u32,
+    file: u32,
+}
+
+/// Memory that nothing uses: the lower half of the handlers' stack.
+const SCRATCH: u64 = 0x1000_C100;
+
+impl Panics {
+    /// Finds them.
+    pub fn of(elf: &object::File<'_>) -> Self {
+        let function = elf.symbols().find(|symbol| symbol.name().is_ok_and(|name| name.contains("already_borrowed")));
+        let text = elf.section_by_name(".rodata").unwrap();
+        let file = text.data().unwrap().windows(4).position(|bytes| bytes == b"src/").unwrap() as u64 + text.address();
+        Self { function: function.unwrap().address() as u32, file: file as u32 }
+    }
+
+    /// The image panics with its next instruction.
+    pub fn now(self, hand: &Hand, host: &mut dyn Host) {
+        // A place in a source file: name, length, line, column.
+        for (nth, word) in (0..).zip([self.file, 8, 77, 1]) {
+            host.write(SCRATCH + 4 * nth, Width::W32, u64::from(word)).unwrap();
+        }
+        hand.upset(Upset::Jump { to: self.function, r0: SCRATCH as u32 });
+    }
 }
 
 /// What people read.

@@ -38,9 +38,10 @@ pub enum Cause {
     SecondClient,
     DamagedFlash,
     StuckHighVoltage,
+    TimerUpset,
 }
 
-pub const CAUSES: [Cause; 29] = [
+pub const CAUSES: [Cause; 30] = [
     Cause::Garbage,
     Cause::AllOnes,
     Cause::AllZeros,
@@ -70,6 +71,7 @@ pub const CAUSES: [Cause; 29] = [
     Cause::SecondClient,
     Cause::DamagedFlash,
     Cause::StuckHighVoltage,
+    Cause::TimerUpset,
 ];
 
 /// What must be seen of a cause.
@@ -121,7 +123,8 @@ impl Cause {
             // The drive is disabled: what is left is to say so.
             Self::StuckHighVoltage => Safe(101 * MS, "high voltage still there"),
             // A flipped bit in a reference or a state is a value like any other; in the parameters it is a fault.
-            Self::BitInTick | Self::BitInRam | Self::BitInStack => Bounded,
+            // The counts of the edges are written anew in every tick; without ticks the monostable and the watchdog act.
+            Self::BitInTick | Self::BitInRam | Self::BitInStack | Self::TimerUpset => Bounded,
         }
     }
 

@@ -1,4 +1,4 @@
-//! The fault campaign: 1,023 seeded cases against the unmodified image.
+//! The fault campaign: 1,058 seeded cases against the unmodified image.
 //!
 //! Whatever happens: no field over 3.5 kV/mm, no torque over 30 N m, no hang. Where the cause can be seen at once, both
 //! outputs are zero and the high voltage is off in the tick after it, and the log says why. What acts on the machine is what
@@ -35,13 +35,13 @@ fn verdict(run: &Run, cause: Cause, at_ns: u64) -> Result<(), String> {
             return Err(format!("beyond the limits: {command:?}"));
         }
     }
-    let last = run.driver.samples.last().unwrap().0;
+    let last = run.driver.beats.last().unwrap().0;
     // A core that is halted for good has nothing else to do.
     if end_ns - last > 1_000_000 && cause != Cause::Halt {
         // Only a restart is an excuse: the chips take 45 ms to come up.
         let restarted = run.session.resets().last().is_some_and(|reset| end_ns - reset.at.0 < 60_000_000);
         if !restarted {
-            return Err(format!("hangs: last sample at {last} ns of {end_ns}"));
+            return Err(format!("hangs: last tick at {last} ns of {end_ns}"));
         }
     }
     let running = |command: &&CommandSeen| command.at.0 < at_ns && command.hv_enable;
@@ -90,12 +90,8 @@ fn verdict(run: &Run, cause: Cause, at_ns: u64) -> Result<(), String> {
             if counted == 0 {
                 return Err(format!("not counted: {counters:?}"));
             }
-            let late = run
-                .driver
-                .samples
-                .windows(2)
-                .skip(100)
-                .find(|pair| !(499_000..501_000).contains(&(pair[1].0 - pair[0].0)));
+            let loads = &run.driver.loads[run.driver.loads.partition_point(|at| at.0 <= at_ns)..];
+            let late = loads.windows(2).find(|pair| !(499_990..500_010).contains(&(pair[1].0 - pair[0].0)));
             if let Some(pair) = late {
                 return Err(format!("a tick was disturbed: {pair:?}"));
             }

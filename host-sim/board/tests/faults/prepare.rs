@@ -16,7 +16,7 @@ use rigless::time::VirtualNanos;
 
 use crate::cause::Cause;
 use crate::common::flash::OnHost;
-use crate::common::{self, ENABLE, ms, run_alone};
+use crate::common::{self, ENABLE, Panics, ms, run_alone};
 
 /// The chips are up and the drive is ready.
 pub const ENABLE_MS: f64 = 76.0;
@@ -28,9 +28,7 @@ pub struct Variables {
     tick: (u64, u64),
     /// Every variable in RAM but the bytes of the log's ring, by its symbol: no padding, no free memory.
     ram: Vec<(u64, u64)>,
-    /// A function that panics at a place that is handed to it, and text of the image.
-    panics: u32,
-    file: u32,
+    panics: Panics,
 }
 
 /// Top of the stack, where the frame of `main` holds what thread mode works on: log, link, parameters, storage.
@@ -50,11 +48,7 @@ pub fn variables() -> Variables {
     let ram = elf.symbols().filter(|symbol| symbol.size() > 0 && in_ram(symbol.address()));
     let ram: Vec<_> = ram.map(|symbol| (symbol.address(), symbol.size())).collect();
     assert!(ram.len() > 5, "the image has lost its symbols: {ram:?}");
-    let panics = elf.symbols().find(|symbol| symbol.name().is_ok_and(|name| name.contains("panic_already_borrowed")));
-    let text = elf.section_by_name(".rodata").unwrap();
-    let file = text.data().unwrap().windows(4).position(|bytes| bytes == b"src/").unwrap() as u64 + text.address();
-    let (panics, file) = (panics.unwrap().address() as u32, file as u32);
-    Variables { tick: (tick.address(), tick.size()), ram, panics, file }
+    Variables { tick: (tick.address(), tick.size()), ram, panics: Panics::of(&elf) }
 }
 
 // Over 40 lines: every cause once.
@@ -160,15 +154,8 @@ pub fn prepare(
             }
         }
         Cause::Panic => {
-            let (panics, file) = (variables.panics, variables.file);
-            world.at(at, move |world, _, host, _| {
-                // A place in a source file: name, length, line, column.
-                let words = [file, 8, 77, 1];
-                for (nth, word) in (0..).zip(words) {
-                    host.write(SCRATCH + 4 * nth, Width::W32, u64::from(word)).unwrap();
-                }
-                world.hand.upset(Upset::Jump { to: panics, r0: SCRATCH as u32 });
-            });
+            let panics = variables.panics;
+            world.at(at, move |world, _, host, _| panics.now(&world.hand, host));
         }
         Cause::HardFault => {
             // Registers of peripherals, which hold no code; nothing at all; a function of the debugger's.
@@ -178,6 +165,7 @@ pub fn prepare(
         Cause::StackOverflow => world.at(at, |world, _, _, _| {
             world.hand.upset(Upset::Stack { to: STACK_BOTTOM as u32 });
         }),
+        Cause::TimerUpset => world.at(at, move |_, board, _, now| board.upset_timer(now, seed)),
         Cause::Crystal => world.at(at, |world, _, _, _| world.hand.upset(Upset::NonMaskable)),
         Cause::SecondClient => {
             world.at(at, |world, board, _, now| world.link.say_hello(board.terminal().unwrap(), now));
@@ -202,8 +190,6 @@ pub fn prepare(
     world
 }
 
-/// Memory that nothing uses: the lower half of the handlers' stack.
-const SCRATCH: u64 = 0x1000_C100;
 /// Just above the end of thread mode's stack.
 const STACK_BOTTOM: u64 = 0x1000_0008;
 

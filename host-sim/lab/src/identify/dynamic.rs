@@ -154,7 +154,8 @@ fn vague(recording: &Recording) -> Error {
 }
 
 fn problem(before: &Config, steady: &Steady, (inertia, delay_s): (f64, f64), recordings: &[&Recording]) -> Problem {
-    let machine = nominal(before, steady, inertia, delay_s);
+    // All delays are fitted from the sample on.
+    let machine = nominal(before, steady, inertia, delay_s, 0.0);
     let names: Vec<&str> = recordings.iter().map(|recording| recording.name.as_str()).collect();
     let recorded: Vec<Recorded> = recordings.iter().copied().map(Recorded::new).collect();
     let fitted = recorded.len();

@@ -42,6 +42,8 @@ pub struct Identified {
     pub motion: Motion,
     /// Times of the field.
     pub field: FieldTimes,
+    /// From the sampling of the position until the drive's outputs change, s, as its image says.
+    pub sample_to_output_s: f64,
     /// Every experiment, in the order it was run.
     pub recordings: Vec<Recording>,
 }
@@ -80,7 +82,8 @@ pub fn identify(session: &mut Session, plan: &Plan, told: &mut Told) -> Result<I
     let measured = measure(session, plan, &runs, told);
     let recordings = session.restored(&before, measured)?;
     told(Event::Stage("fits"))?;
-    let found = session.computed(move || fit(&before, &runs, recordings))??;
+    let to_output_s = session.sample_to_output_s();
+    let found = session.computed(move || fit(&before, to_output_s, &runs, recordings))??;
     told(Event::Found(&before, &found))?;
     Ok(found)
 }
@@ -97,12 +100,18 @@ fn measure(session: &mut Session, plan: &Plan, runs: &[Planned], told: &mut Told
     Ok(recordings)
 }
 
-/// Fits what was measured; the recordings are in the order of the runs.
+/// Fits what was measured, on a drive whose outputs change `sample_to_output_s` after a sample; the recordings are in the order
+/// of the runs.
 ///
 /// # Errors
 ///
 /// Recordings that do not determine the machine.
-pub fn fit(before: &Config, runs: &[Planned], recordings: Vec<Recording>) -> Result<Identified, Error> {
+pub fn fit(
+    before: &Config,
+    sample_to_output_s: f64,
+    runs: &[Planned],
+    recordings: Vec<Recording>,
+) -> Result<Identified, Error> {
     let of =
         |wanted: fn(&plan::Purpose) -> bool| runs.iter().zip(&recordings).filter(move |(run, _)| wanted(&run.purpose));
     let ramps = of(|purpose| matches!(purpose, plan::Purpose::Steady { .. }));
@@ -114,5 +123,5 @@ pub fn fit(before: &Config, runs: &[Planned], recordings: Vec<Recording>) -> Res
     let steps = found("field steps", |purpose| *purpose == plan::Purpose::FieldSteps)?;
     let (motion, field) = dynamic::fit(before, &steady, motion, steps)?;
     let er_q0 = report::constant_of_5(before, &steady);
-    Ok(Identified { steady, er_q0, motion, field, recordings })
+    Ok(Identified { steady, er_q0, motion, field, sample_to_output_s, recordings })
 }

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use diagnosis::confidence_set::Interval;
-use er_servo::{COUNTS_PER_REV, Config, SAMPLE_TO_OUTPUT_S};
+use er_servo::{COUNTS_PER_REV, Config};
 
 use super::Identified;
 use super::steady::Steady;
@@ -33,8 +33,15 @@ pub(super) fn constant_of_5(before: &Config, steady: &Steady) -> Interval {
     if has_peak && asked.low.is_finite() { asked } else { Interval { value: stays, low: stays, high: stays } }
 }
 
-/// The machine as far as torques at constant speed tell it, with an inertia and a delay; the field acts at once.
-pub(super) fn nominal(config: &Config, steady: &Steady, inertia: f64, torque_delay_s: f64) -> Machine {
+/// The machine as far as torques at constant speed tell it, with an inertia and delays that count from the outputs; the field acts
+/// at once.
+pub(super) fn nominal(
+    config: &Config,
+    steady: &Steady,
+    inertia: f64,
+    torque_delay_s: f64,
+    sample_to_output_s: f64,
+) -> Machine {
     Machine {
         file: PathBuf::new(),
         name: "identified".to_owned(),
@@ -51,8 +58,8 @@ pub(super) fn nominal(config: &Config, steady: &Steady, inertia: f64, torque_del
             torque_gain: 1.0,
             torque_offset: steady.offset_nm.value,
             torque_limit: None,
-            sample_to_output_s: SAMPLE_TO_OUTPUT_S,
-            torque_delay_s: from_output_s(torque_delay_s),
+            sample_to_output_s,
+            torque_delay_s,
             er: Some(ErNominal {
                 a: steady.er_a.value.max(0.0),
                 b: steady.er_b.value.max(0.0),
@@ -66,15 +73,14 @@ pub(super) fn nominal(config: &Config, steady: &Steady, inertia: f64, torque_del
     }
 }
 
-/// A delay that is counted from SAMPLE as the machine file has it, s.
-fn from_output_s(delay_s: f64) -> f64 {
-    (delay_s - SAMPLE_TO_OUTPUT_S).max(0.0)
-}
-
 /// The machine file: what was found, and the law with what follows from it.
 pub fn machine(before: &Config, found: &Identified) -> Machine {
     let (motion, field) = (&found.motion, &found.field);
-    let mut machine = nominal(before, &found.steady, motion.inertia_kg_m2.value, motion.torque_delay_s.value);
+    // What was found counts from the sample; the delays of the file count from the outputs.
+    let to_output_s = found.sample_to_output_s;
+    let from_output_s = |delay_s: f64| (delay_s - to_output_s).max(0.0);
+    let torque_delay_s = from_output_s(motion.torque_delay_s.value);
+    let mut machine = nominal(before, &found.steady, motion.inertia_kg_m2.value, torque_delay_s, to_output_s);
     if let Some(er) = &mut machine.plant.er {
         (er.dead_time_s, er.lag_s) = (from_output_s(field.dead_time_s.value), field.rise_s.value);
     }
@@ -110,7 +116,7 @@ pub fn applied(before: &Config, found: &Identified) -> Config {
 
 /// For a person: each value with its 95 % interval.
 pub fn text(found: &Identified) -> String {
-    let Identified { steady, er_q0, motion, field, recordings } = found;
+    let Identified { steady, er_q0, motion, field, recordings, .. } = found;
     let row = |name: &str, unit: &str, of: &Interval, scale: f64| {
         let Interval { value, low, high } = of;
         format!("{name:<22} {:>10.5} {unit:<14} {:.5} to {:.5}\n", value * scale, low * scale, high * scale)

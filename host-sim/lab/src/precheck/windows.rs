@@ -97,7 +97,7 @@ fn parabola(s: impl Iterator<Item = f64> + Clone, values: &[f64]) -> Option<(f64
 /// in another unit is beyond it.
 fn acting(machine: &Machine, recording: &Recording, row: usize) -> f64 {
     let plant = &machine.plant;
-    let since_s = recording.t_s[row] - plant.torque_delay_s;
+    let since_s = recording.t_s[row] - plant.torque_delay_from_sample_s();
     let held = recording.t_s.partition_point(|t_s| *t_s <= since_s).max(1) - 1;
     plant.torque_gain * recording.effort_cmd[held] + plant.torque_offset
 }
@@ -114,4 +114,21 @@ fn terms(recording: &Recording, row: usize, speed: f64) -> Vec<f64> {
         terms.extend([field[row] * direction, field[row] * field[row] * direction]);
     }
     terms
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::residual::testing::{same_delays, swinging};
+
+    #[test]
+    fn the_torque_acts_after_the_time_to_the_output_and_the_delay() {
+        let recording = swinging();
+        let efforts = same_delays().map(|machine| {
+            let found = windows(&machine, &recording, 1e-3, 0.05);
+            found.iter().map(|window| window.effort).collect::<Vec<f64>>()
+        });
+        assert!(efforts[0].len() > 10 && efforts[0].iter().any(|effort| effort.abs() > 0.5));
+        assert_eq!(efforts[0], efforts[1]);
+    }
 }

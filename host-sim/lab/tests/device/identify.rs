@@ -78,7 +78,7 @@ fn a_machine_is_found_by_experiments_and_its_drive_gets_it() {
     let value = |section: &toml::Value, key: &str| section[key].as_float().unwrap();
     let (plant, lags) = (&file["plant"], &file["effects"][0]);
     let to_output_s = value(plant, "sample_to_output_s");
-    assert_eq!(to_output_s, er_servo::SAMPLE_TO_OUTPUT_S);
+    assert_eq!(to_output_s, f64::from(er_servo::SAMPLE_TO_OUTPUT_NS) / 1e9, "as the drive says");
     for (there, name) in [
         (value(plant, "inertia"), "inertia"),
         (1e3 * (to_output_s + value(plant, "torque_delay_s")), "torque delay"),

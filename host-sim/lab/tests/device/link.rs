@@ -278,20 +278,23 @@ fn strangers_at_the_far_end_are_told_from_a_drive() {
         for byte in BufReader::new(stream.try_clone().unwrap()).bytes() {
             if let Some(Ok(Packet { sequence, .. })) = receiver.push(byte.unwrap()) {
                 let (frame_schema, parameters, build) = (1, 22, [0; 8]);
+                let (session, sample_to_output_ns) = (1, 0);
                 let (protocol, observer) = (PROTOCOL + 1, false);
-                let answer = Answer::Hello { session: 1, observer, protocol, frame_schema, parameters, build };
+                let answer =
+                    Answer::Hello { session, observer, protocol, frame_schema, parameters, build, sample_to_output_ns };
                 stream.write_all(encode(&Reply { sequence, answer }, &mut [0; PACKET_BYTES]).unwrap()).unwrap();
                 return;
             }
         }
     });
+    let other = format!("the drive speaks version {} of the link, this tool {PROTOCOL}", PROTOCOL + 1);
     for (address, message) in [
         (silent, "no answer to 6 attempts, not a byte"),
         // Closed, or reset, as the system sees it.
         (closing, "connection"),
         (flooding, "no answer to 6 attempts"),
         (babbling, "no answer to 6 attempts"),
-        (other_version, "the drive speaks version 5 of the link, this tool 4"),
+        (other_version, other.as_str()),
     ] {
         let start = Instant::now();
         let said = fails(Path::new(HERE), &format!("link --tcp {address} status"), 4);

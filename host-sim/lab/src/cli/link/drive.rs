@@ -57,8 +57,9 @@ impl Drive {
     }
 
     pub(super) fn print_status(&mut self, json: bool) -> Result<(), Error> {
-        let (status, build) = (self.status()?, self.connection.build);
-        output::print(&if json { status::json(&status, &build) } else { status::text(&status, &build) })
+        let status = self.status()?;
+        let image = status::Image { build: self.connection.build, to_output_s: self.connection.sample_to_output_s };
+        output::print(&if json { status::json(&status, &image) } else { status::text(&status, &image) })
     }
 
     pub(super) fn print_events(&mut self) -> Result<(), Error> {

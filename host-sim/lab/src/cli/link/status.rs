@@ -29,13 +29,22 @@ pub fn event(event: &Event) -> String {
     event.faults().explain().chain(chip).fold(head, |text, cause| text + "     " + cause + "\n")
 }
 
-/// Which image it is, as `readelf -n` begins the build id of its ELF file.
-fn image(build: &Build) -> String {
-    build.iter().map(|byte| format!("{byte:02x}")).collect()
+/// What the drive says of its image.
+pub struct Image {
+    /// As `readelf -n` begins the build id of its ELF file.
+    pub build: Build,
+    /// From the sampling of the position until the outputs change, s.
+    pub to_output_s: f64,
+}
+
+impl Image {
+    fn name(&self) -> String {
+        self.build.iter().map(|byte| format!("{byte:02x}")).collect()
+    }
 }
 
 /// For a person.
-pub fn text(status: &Status, build: &Build) -> String {
+pub fn text(status: &Status, image: &Image) -> String {
     let flags = InputFlags::from_bits_truncate(status.flags);
     let either = |flag, yes, no| if flags.contains(flag) { yes } else { no };
     let counters = &status.counters;
@@ -53,8 +62,9 @@ pub fn text(status: &Status, build: &Build) -> String {
             let measured = MonitorCode(status.monitor).to_kv_mm();
             format!("{:.3} kV/mm commanded, {measured:.3} measured", status.field_kv_mm)
         }),
-        ("image", image(build)),
+        ("image", image.name()),
         ("tick", format!("{}, worst {} cycles", status.tick, status.worst_cycles)),
+        ("outputs", format!("{:.2} us after the sample", image.to_output_s * 1e6)),
         ("recording", format!("{}, {} frames lost", if status.recording { "runs" } else { "none" }, status.lost)),
         (
             "link",
@@ -68,7 +78,7 @@ pub fn text(status: &Status, build: &Build) -> String {
 }
 
 /// For a program.
-pub fn json(status: &Status, build: &Build) -> String {
+pub fn json(status: &Status, image: &Image) -> String {
     let flags = InputFlags::from_bits_truncate(status.flags);
     let state = state(status);
     let mut lines = state.lines();
@@ -85,7 +95,8 @@ pub fn json(status: &Status, build: &Build) -> String {
         "torque_cmd_nm": status.torque_nm,
         "field_cmd_kv_mm": status.field_kv_mm,
         "field_meas_kv_mm": MonitorCode(status.monitor).to_kv_mm(),
-        "image": image(build),
+        "image": image.name(),
+        "sample_to_output_s": image.to_output_s,
         "tick": status.tick,
         "worst_cycles": status.worst_cycles,
         "recording": status.recording,

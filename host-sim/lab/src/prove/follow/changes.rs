@@ -150,7 +150,7 @@ impl Change {
     fn add(self, subject: &mut Subject) -> Option<Added> {
         let machine = &subject.machine;
         // Behind a delay or a limit a command is not the torque of its instant.
-        if machine.plant.torque_delay_s > 0.0 || machine.plant.torque_gain != 1.0 {
+        if machine.plant.torque_delay_from_sample_s() > 0.0 || machine.plant.torque_gain != 1.0 {
             return None;
         }
         let linear = machine.axis.kind == crate::read::AxisKind::Linear;

@@ -37,11 +37,12 @@ impl Simulated {
         (physics.friction.coulomb_nm, physics.friction.viscous_nm_s_rad) = (plant.coulomb, plant.viscous);
         (physics.drive.gain, physics.drive.offset_nm) = (plant.torque_gain, plant.torque_offset);
         physics.drive.limit_nm = plant.torque_limit.unwrap_or(f64::INFINITY);
-        physics.drive.delay_s = plant.torque_delay_s;
+        physics.drive.delay_s = plant.torque_delay_from_sample_s();
         let fluid = &mut physics.fluid;
         (fluid.a, fluid.b) = plant.er.as_ref().map_or((0.0, 0.0), |er| (er.a, er.b));
         if let Some(er) = &plant.er {
-            (fluid.dead_time_s, fluid.rise_s, fluid.fall_s) = (er.dead_time_s, er.lag_s, er.lag_s);
+            let dead_time_s = plant.sample_to_output_s + er.dead_time_s;
+            (fluid.dead_time_s, fluid.rise_s, fluid.fall_s) = (dead_time_s, er.lag_s, er.lag_s);
         }
         let mut simulated = Self { physics, latency_s: 0.0, eccentricity: Vec::new() };
         for entry in machine.effects.iter().filter(|entry| entry.recording.is_none()) {
@@ -143,4 +144,20 @@ fn line(values: &[f64], time: impl Fn(usize) -> f64) -> Option<[f64; 2]> {
         right += row * *value;
     }
     normal.try_inverse().map(|inverse| (inverse * right).into())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::residual::testing::{same_delays, swinging};
+
+    #[test]
+    fn torque_and_field_act_after_the_time_to_the_output_and_their_delays() {
+        let recording = swinging();
+        let [one, other] = same_delays().map(|machine| Simulated::of(&machine));
+        assert_eq!((one.physics.drive.delay_s, one.physics.fluid.dead_time_s), (0.005, 0.002));
+        let left = one.left(&recording, 0.05);
+        assert!(left.is_some_and(|left| left > 0.0), "{left:?}");
+        assert_eq!(left, other.left(&recording, 0.05));
+    }
 }

@@ -138,10 +138,11 @@ impl<'a> Signals<'a> {
         let limit = plant.torque_limit.unwrap_or(f64::INFINITY);
         let sent: Vec<f64> =
             torque.iter().map(|nm| (plant.torque_gain * nm + plant.torque_offset).clamp(-limit, limit)).collect();
-        let acting = delayed(&sent, plant.torque_delay_s / period_s);
+        let acting = delayed(&sent, plant.torque_delay_from_sample_s() / period_s);
         let field = recording.field_cmd_kv_mm.clone().unwrap_or_else(|| vec![0.0; torque.len()]);
         let (a, b, dead_s, lag_s) =
             plant.er.as_ref().map_or((0.0, 0.0, 0.0, 0.0), |er| (er.a, er.b, er.dead_time_s, er.lag_s));
+        let dead_s = dead_s + plant.sample_to_output_s;
         let law = |field: &[f64]| field.iter().map(|e| (a * e + b) * e).collect::<Vec<f64>>();
         let now = lagged(&delayed(&field, dead_s / period_s), lag_s / period_s);
         let mut er_delayed = vec![[0.0; 2]; field.len() * DELAYS_S.len()];
@@ -175,4 +176,23 @@ fn lagged(signal: &[f64], rows: f64) -> Vec<f64> {
         Some(if rows > 0.0 { *state } else { *input })
     };
     signal.iter().scan((0.0, 0.0), follow).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::residual::testing::{same_delays, swinging};
+
+    #[test]
+    fn torque_and_field_act_after_the_time_to_the_output_and_their_delays() {
+        let recording = swinging();
+        let tables = same_delays().map(|machine| {
+            let mut table = Table::default();
+            table.add(&machine, &recording);
+            table
+        });
+        assert!(tables[0].residual.len() > 10);
+        assert_eq!(tables[0].residual, tables[1].residual);
+        assert_eq!(tables[0].rows, tables[1].rows);
+    }
 }
