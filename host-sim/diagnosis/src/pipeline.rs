@@ -1,12 +1,14 @@
 //! From recordings to the conclusion; the only place that knows every stage.
 
-use crate::confidence_set::{Comparison, Interval, Step, excluded, intervals};
+use crate::confidence_set::{Comparison, Interval, LEVEL_OF_THE_SET, Step, excluded, intervals};
 use crate::effects::{Effect, VOCABULARY};
 use crate::goodness::{Predictor, predictors};
 use crate::hypothesis::{Entry, Hypothesis, Refitted, refit};
+use crate::likelihood::Noise;
 use crate::problem::Problem;
-use crate::search::{Found, LEVEL_OF_A_STEP, Rejected, SMALLEST_GAIN, first_noise, search};
+use crate::search::{Found, Rejected, SMALLEST_GAIN, first_noise, search};
 use crate::verdict::{Standing, Verdict, verdict};
+use crate::windows::window_s;
 
 /// One effect of the answer.
 #[derive(Debug, Clone)]
@@ -267,17 +269,27 @@ fn torque_rms(problem: &Problem, refitted: &Refitted) -> f64 {
     (squares / count.max(1) as f64).sqrt()
 }
 
-/// What is left, if a channel predicts a relevant part of it, or if a channel or another effect certainly adds to the likelihood a
-/// relevant part of what was gained, without being worth a name.
+/// Relative fall of windows' root mean square if a steady torque of that size were known: over the longer horizon it adds to the mean
+/// torque that the noise leaves there.
+fn share_of_windows(problem: &Problem, refitted: &Refitted, torque_rms: f64) -> f64 {
+    let horizon_s = window_s(problem, 1);
+    let density: f64 = refitted.noise.iter().map(Noise::slow_density).sum::<f64>() / refitted.noise.len().max(1) as f64;
+    let noise = (density / horizon_s.max(f64::MIN_POSITIVE)).max(f64::MIN_POSITIVE);
+    1.0 - (1.0 + torque_rms * torque_rms / noise).sqrt().recip()
+}
+
+/// What is left, if a channel predicts a relevant part of it, or if another effect certainly adds to the likelihood, a relevant
+/// part of what was gained, without being worth a name.
 fn remainder(problem: &Problem, found: &Found) -> Option<Remainder> {
     let refitted = &found.best.assessed.refitted;
     let all = predictors(problem, refitted);
-    let level = LEVEL_OF_A_STEP / all.len().max(1) as f64;
+    let level = LEVEL_OF_THE_SET / all.len().max(1) as f64;
     let gained = refitted.log_likelihood - found.nominal.assessed.refitted.log_likelihood;
     let part = |rise: f64| gained > 0.0 && rise >= SMALLEST_GAIN * gained;
+    let windows = |one: &Predictor| one.torque_rms.map_or(0.0, |torque| share_of_windows(problem, refitted, torque));
     let worth_it = |one: &Predictor| one.p_value < level && one.rise > problem.price() * one.freedom as f64;
     // A memory of the noise is no physics that was left out until it is a relevant part of what is left.
-    let relevant = |one: &Predictor| one.share >= SMALLEST_GAIN || (one.torque_rms.is_some() && part(one.rise));
+    let relevant = |one: &Predictor| one.share.max(windows(one)) >= SMALLEST_GAIN;
     let predictors: Vec<Predictor> = all.into_iter().filter(|one| worth_it(one) && relevant(one)).collect();
     let unnamed = found.rejected.iter().filter(|one| one.certain && part(one.rise));
     let unnamed: Vec<&'static Effect> = unnamed.map(|one| one.effect).collect();

@@ -40,6 +40,11 @@ impl Noise {
         Self { sensor_sd, torque_density, colour: None }
     }
 
+    /// Spectral density of all torque noise at low frequencies, (N m)^2 s.
+    pub(crate) fn slow_density(&self) -> f64 {
+        self.torque_density + self.colour.map_or(0.0, |colour| 2.0 * colour.sd * colour.sd * colour.memory_s)
+    }
+
     /// Variance of the mean torque noise of a substep, (N m)^2.
     pub(crate) fn torque_variance(&self, dt_s: f64) -> f64 {
         self.torque_density / dt_s

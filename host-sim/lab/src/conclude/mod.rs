@@ -89,7 +89,8 @@ pub fn diagnose(request: &Request<'_>) -> Result<Diagnosis, Error> {
     }
     answer.warnings = notes;
     stages.done("answer");
-    let proposal = if answer.verdict == Verdict::Ambiguous { proposal(&machine, request, &conclusion) } else { None };
+    let ambiguous = answer.verdict == Verdict::Ambiguous;
+    let proposal = if ambiguous { proposal(&machine, request, &problem, &conclusion) } else { None };
     answer.experiment = proposal.as_ref().map(Proposal::experiment);
     answer.warnings.extend(answer::warnings(&problem, &conclusion, answer.experiment.is_some()));
     stages.done("propose");
@@ -101,10 +102,11 @@ pub fn diagnose(request: &Request<'_>) -> Result<Diagnosis, Error> {
 const RIVALS: usize = 4;
 
 /// The recording that tells the hypotheses of the set apart.
-fn proposal(machine: &Machine, request: &Request<'_>, conclusion: &Conclusion) -> Option<Proposal> {
+fn proposal(machine: &Machine, request: &Request<'_>, problem: &Problem, conclusion: &Conclusion) -> Option<Proposal> {
     let rivals = conclusion.in_the_set.get(..RIVALS).unwrap_or(&conclusion.in_the_set);
     let noise = *conclusion.best.assessed.refitted.noise.first()?;
-    propose::best(&propose::Request { machine, rivals, limits: Limits::of(machine, request.recordings), noise })
+    let (limits, as_commands) = (Limits::of(machine, request.recordings), problem.motions.is_empty());
+    propose::best(&propose::Request { machine, rivals, limits, noise, as_commands })
 }
 
 /// The machine with the step that its recordings show, where that is clearly coarser than the file says.

@@ -188,7 +188,13 @@ impl Guide {
     fn separated(&self, sized: &Sized, other: &str) -> Option<(&'static str, Item, f64)> {
         let other = SIZES.iter().find(|sized| sized.id == other)?;
         let rivals = [Self::hypothesis(sized, 1.0)?, Self::hypothesis(other, 1.0)?];
-        let request = Request { machine: &self.machine, rivals: &rivals, limits: self.limits, noise: self.noise };
+        let request = Request {
+            machine: &self.machine,
+            rivals: &rivals,
+            limits: self.limits,
+            noise: self.noise,
+            as_commands: false,
+        };
         let offer = best(&request)?.menu.into_iter().next()?;
         let power = offer.power();
         Some((other.id, offer.item, power))

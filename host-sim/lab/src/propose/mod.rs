@@ -40,6 +40,8 @@ pub struct Request<'a> {
     pub limits: Limits,
     /// The noise that a recording will have.
     pub noise: Noise,
+    /// Whether its torque column will be read as commands where it may be a measurement.
+    pub as_commands: bool,
 }
 
 /// How well one reference tells two rivals apart.
@@ -202,9 +204,10 @@ impl<'a> Planner<'a> {
 
     fn judge(&self, item: &Item) -> Option<Offer> {
         let (item, motion) = self.motion(item)?;
-        let Request { machine, rivals, noise, .. } = self.request;
+        let Request { machine, rivals, noise, as_commands, .. } = self.request;
         let linear = machine.axis.kind == AxisKind::Linear;
         let planned = Problem::new(self.nominal.clone(), vec![motion.recorded], 1, machine.axis.resolution, linear);
+        let planned = if *as_commands { planned.as_commands().unwrap_or(planned) } else { planned };
         let (right, others) = rivals.split_first()?;
         let pair = |rival: &Hypothesis| {
             let separation = separation(&planned, &[*noise], right, rival)?;

@@ -43,7 +43,7 @@ fn rival(id: &str, value: f64) -> Hypothesis {
 
 fn request<'a>(machine: &'a Machine, rivals: &'a [Hypothesis]) -> Request<'a> {
     let noise = Noise::white(COUNT_RAD / 12.0_f64.sqrt(), TORQUE_NOISE_NM * TORQUE_NOISE_NM * PERIOD_S);
-    Request { machine, rivals, limits: Limits::of(machine, &[]), noise }
+    Request { machine, rivals, limits: Limits::of(machine, &[]), noise, as_commands: false }
 }
 
 /// Whether the log-likelihood of the proposed recording, made on the first rival with noise, excludes the second, both refitted.
@@ -124,7 +124,7 @@ fn limits_hold_and_a_linear_axis_without_controller_is_proposed_for() {
     let rivals = [rival("inertia", 99.0), rival("viscous_friction", 220.0)];
     let limits = Limits { speed: 0.3, torque: 120.0, travel: 0.2 };
     let noise = Noise::white(3e-7, 1e-3);
-    let request = Request { machine: &machine, rivals: &rivals, limits, noise };
+    let request = Request { machine: &machine, rivals: &rivals, limits, noise, as_commands: false };
     let proposal = best(&request).unwrap();
     println!("{} {:?}", proposal.text, proposal.pairs);
     let (low, high) = proposal.reference.iter().fold((0.0_f64, 0.0_f64), |(l, h), row| (l.min(row.1), h.max(row.1)));
