@@ -173,6 +173,26 @@ fn compare_writes_a_picture() {
     assert!(text.starts_with("run.csv: 600 rows, 0.299 s, 0 gaps\n"), "{text}");
     let svg = fs::read_to_string(folder.path().join("compare-run.svg")).unwrap();
     assert!(svg.contains("<svg") && svg.contains("time (s)"));
+    assert!(svg.contains("recorded") && svg.contains("nominal") && !svg.contains("improved"));
+}
+
+#[test]
+fn compare_draws_an_improved_model_beside_the_other() {
+    let folder = folder();
+    fs::write(folder.path().join("poor.toml"), MACHINE.replace("coulomb = 0.763", "coulomb = 0.3")).unwrap();
+    // Long enough for means over speed.
+    printed(folder.path(), "simulate steps --machine machine.toml --duration-s 4 --out long.csv");
+    let text = printed(folder.path(), "compare --machine poor.toml --improved machine.toml long.csv");
+    assert!(text.contains("\nthe improved model:\n  50 ms windows  residual "), "{text}");
+    let svg = fs::read_to_string(folder.path().join("compare-long.svg")).unwrap();
+    for name in ["recorded", "nominal", "improved", "nominal, 95 %", "improved, 95 %", "nominal, one window"] {
+        assert!(svg.contains(name), "{name}");
+    }
+    refused(
+        folder.path(),
+        "compare --machine machine.toml --improved linear.toml run.csv",
+        "linear.toml: axis.kind: linear",
+    );
 }
 
 #[test]
