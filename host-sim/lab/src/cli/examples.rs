@@ -60,6 +60,11 @@ Example:
 pub(super) const DEMO: &str = "\
 Example:
   servo-lab demo";
+pub(super) const HELP: &str = "\
+Example:
+  servo-lab help effects
+  servo-lab help backlash
+  servo-lab help diagnose";
 pub(super) const COMPLETIONS: &str = "\
 Example:
   servo-lab completions bash > ~/.local/share/bash-completion/completions/servo-lab";

@@ -17,6 +17,7 @@ mod words;
 pub use data::PlotData;
 use maps::{Band, MapPlot};
 use markup::Section;
+pub(crate) use words::number;
 #[cfg(test)]
 pub(crate) use words::sentence;
 

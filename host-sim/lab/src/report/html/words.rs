@@ -75,7 +75,7 @@ pub(super) fn interval(of: &Interval) -> String {
 }
 
 /// A number with two digits of `width`; four of its own where that is zero or no number.
-pub(super) fn number(value: f64, width: f64) -> String {
+pub(crate) fn number(value: f64, width: f64) -> String {
     if !value.is_finite() {
         return "unbounded".to_owned();
     }
