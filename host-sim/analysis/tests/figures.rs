@@ -1,7 +1,7 @@
 //! Figures: small however long the recording, the same bytes each time, text as text.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use analysis::plot::{Figure, Mark, Panel, Series};
+use analysis::plot::{Figure, Ink, Mark, Panel, Series};
 use rand::rngs::StdRng;
 use rand::{Rng, SeedableRng};
 
@@ -56,6 +56,17 @@ fn every_axis_title_and_legend_is_text() {
 }
 
 #[test]
+fn a_legend_has_the_colour_of_its_line_and_bars_have_ends() {
+    let line = Series::new("after", Mark::Line, [(0.0, 0.0), (1.0, 1.0)]).inked(Ink::Improved);
+    let bars = Series::bars("95 %", [(0.5, 0.2, 0.8)]).inked(Ink::Nominal);
+    let svg = figure("inks", vec![Panel::new("x (1)", "y (1)", vec![line, bars])]).to_svg().unwrap();
+    // The line and its sample; the bar with two ends, and the same in the legend.
+    for (colour, times) in [("#0072B2", 2), ("#D55E00", 6)] {
+        assert_eq!(svg.matches(&format!("stroke=\"{colour}\"")).count(), times, "{colour}: {svg}");
+    }
+}
+
+#[test]
 fn odd_figures_are_drawn_too() {
     let one = |mark, points: &[(f64, f64)]| {
         figure("odd", vec![Panel::new("x (1)", "y (1)", vec![Series::new("a", mark, points.iter().copied())])])
@@ -69,6 +80,8 @@ fn odd_figures_are_drawn_too() {
         one(Mark::Line, &huge),
         one(Mark::Step, &huge),
         one(Mark::Points, &huge),
+        one(Mark::Bars, &huge),
+        one(Mark::Bars, &[(1.0, f64::NAN), (1.0, 2.0)]),
         one(Mark::Points, &[(f64::NAN, f64::INFINITY)]),
         one(Mark::Line, &[(-5e-324, 5e-324), (5e-324, -5e-324)]),
     ];

@@ -5,7 +5,6 @@ use std::process::ExitCode;
 use clap::Parser;
 
 fn main() -> ExitCode {
-    lab::progress_bar::show();
     match lab::cli::Cli::parse().run() {
         Ok(code) => code,
         Err(error) => {

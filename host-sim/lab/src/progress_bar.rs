@@ -22,7 +22,7 @@ pub fn show() {
 impl Bar {
     fn new(what: &str, steps: u64) -> Self {
         let bar = ProgressBar::with_draw_target(Some(steps), ProgressDrawTarget::hidden());
-        if let Ok(style) = ProgressStyle::with_template("{msg} {bar:40} {pos}/{len}, {eta} left") {
+        if let Ok(style) = ProgressStyle::with_template("{msg} {bar:40} {percent} %, {elapsed} gone, {eta} left") {
             bar.set_style(style);
         }
         bar.set_message(what.to_owned());

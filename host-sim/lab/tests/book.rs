@@ -1,4 +1,4 @@
-//! The book in `docs`: every command of its first page runs, every page is listed, every link leads somewhere.
+//! The book in `docs`: every command in it runs, every page is listed, every link leads somewhere, and it builds.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 #[path = "own_logs/files.rs"]
@@ -28,27 +28,83 @@ fn commands(page: &str) -> Vec<String> {
     blocks.collect()
 }
 
+/// The page of a new user, whose commands belong together.
+const OWN_LOG: &str = "your-own-log.md";
+/// The page whose commands need a drive: that they exist, with all their flags, is all that can be looked at.
+const DRIVE: &str = "drive.md";
+
+/// Runs blocks of commands in a folder, as they stand in the book.
+fn run(folder: &Path, blocks: Vec<String>) {
+    let program = cargo_bin("servo-lab");
+    let mut folders = vec![program.parent().unwrap().to_path_buf()];
+    folders.extend(std::env::split_paths(&std::env::var_os("PATH").unwrap()));
+    let path = std::env::join_paths(folders).unwrap();
+    for block in blocks {
+        let output = Command::new("sh").args(["-e", "-c", &block]).current_dir(folder).env("PATH", &path).output();
+        let output = output.unwrap();
+        println!("{block}{}", String::from_utf8_lossy(&output.stdout));
+        assert!(output.status.success(), "{block}: {}", String::from_utf8_lossy(&output.stderr));
+    }
+}
+
 #[test]
 #[cfg_attr(debug_assertions, ignore = "minutes without optimisation; the tests in release run it")]
 fn every_command_of_ten_minutes_with_your_own_log_runs() {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("log.csv"), files::csv(&machine::pushed_pendulum(20.0))).unwrap();
-    let program = cargo_bin("servo-lab");
-    let mut folders = vec![program.parent().unwrap().to_path_buf()];
-    folders.extend(std::env::split_paths(&std::env::var_os("PATH").unwrap()));
-    let path = std::env::join_paths(folders).unwrap();
-    let blocks = commands(&page("your-own-log.md"));
+    let blocks = commands(&page(OWN_LOG));
     assert!(blocks.len() >= 5, "{blocks:?}");
-    for block in blocks {
-        let output =
-            Command::new("sh").args(["-e", "-c", &block]).current_dir(folder.path()).env("PATH", &path).output();
-        let output = output.unwrap();
-        println!("{block}{}", String::from_utf8_lossy(&output.stdout));
-        assert!(output.status.success(), "{block}: {}", String::from_utf8_lossy(&output.stderr));
-    }
+    run(folder.path(), blocks);
     for made in ["machine.toml", "answer.html", "improved.toml", "log.mcap", "log.parquet"] {
         assert!(folder.path().join(made).is_file(), "{made}");
     }
+}
+
+/// A servo with a law, for the pages that take a machine for granted.
+const MACHINE: &str = include_str!("../src/cli/demo/machine.toml");
+
+#[test]
+#[cfg_attr(debug_assertions, ignore = "minutes without optimisation; the tests in release run it")]
+fn every_command_of_the_other_pages_runs() {
+    let pages: Vec<String> =
+        links(&page("SUMMARY.md")).into_iter().filter(|name| name != OWN_LOG && name != DRIVE).collect();
+    let mut count = 0;
+    for name in pages {
+        let folder = tempfile::tempdir().unwrap();
+        fs::write(folder.path().join("machine.toml"), MACHINE).unwrap();
+        let blocks = commands(&page(&name));
+        count += blocks.len();
+        run(folder.path(), blocks);
+    }
+    assert!(count >= 4, "{count} blocks");
+}
+
+/// With `--help` behind it a command tells what it is, and refuses words before it that it does not know.
+#[test]
+fn every_command_for_a_drive_exists_with_its_flags() {
+    let blocks = commands(&page(DRIVE));
+    let lines = blocks.iter().flat_map(|block| block.lines()).map(|line| line.split(" #").next().unwrap().trim());
+    let lines: Vec<&str> = lines.filter(|line| !line.is_empty()).collect();
+    assert!(lines.len() >= 4, "{lines:?}");
+    for line in lines {
+        let words = line.strip_prefix("servo-lab ").unwrap_or_else(|| panic!("`{line}` is no command of servo-lab"));
+        let output =
+            Command::new(cargo_bin("servo-lab")).args(words.split_whitespace()).arg("--help").output().unwrap();
+        assert!(output.status.success(), "{line}: {}", String::from_utf8_lossy(&output.stderr));
+    }
+}
+
+#[test]
+fn the_book_builds() {
+    if Command::new("mdbook").arg("--version").output().is_err() {
+        println!("not built: mdbook is not on the path (cargo install mdbook)");
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let output = Command::new("mdbook").arg("build").arg(docs()).arg("--dest-dir").arg(folder.path()).output().unwrap();
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success() && !said.contains("WARN") && !said.contains("ERROR"), "{said}");
+    assert!(folder.path().join("drive.html").is_file());
 }
 
 /// Targets of the links of a page that are files.
@@ -61,6 +117,8 @@ fn links(text: &str) -> Vec<String> {
 #[test]
 fn every_page_is_listed_and_every_link_leads_somewhere() {
     let listed = links(&page("SUMMARY.md"));
+    // Ten minutes, reading, formats, method, field guide, drive, effect, porting, scores, and the JSON.
+    assert!(listed.len() >= 10, "{listed:?}");
     for entry in fs::read_dir(docs()).unwrap() {
         let name = entry.unwrap().file_name().to_string_lossy().into_owned();
         if !name.ends_with(".md") {

@@ -74,6 +74,57 @@ fn help_lists_every_command_and_flag() {
 }
 
 #[test]
+fn every_command_has_an_example_and_the_global_flags() {
+    let folder = tempfile::tempdir().unwrap();
+    let help = printed(folder.path(), "--help");
+    let commands = help.split("Commands:\n").nth(1).unwrap().split("\n\n").next().unwrap();
+    let names: Vec<&str> = commands.lines().filter_map(|line| line.split_whitespace().next()).collect();
+    assert!(names.len() > 18, "{names:?}");
+    for name in names {
+        let help = printed(folder.path(), &format!("{name} --help"));
+        let example = help.split("Example:\n").nth(1).unwrap_or_default();
+        assert!(example.contains(&format!("  servo-lab {name}")), "{name}: {help}");
+        assert!(help.contains("--quiet") && help.contains("--verbose"), "{name}");
+    }
+    let took = lab(folder.path(), "simulate --duration-s 0.1 --verbose");
+    assert!(String::from_utf8_lossy(&took.stderr).contains("took "), "{took:?}");
+    assert!(printed(folder.path(), "simulate --duration-s 0.1 --quiet").starts_with("step "));
+}
+
+/// One option has one name in every command, and its other names are known, too.
+#[test]
+fn frequencies_and_angles_have_the_same_names_everywhere() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |line: &str| printed(folder.path(), line);
+    let one = run("simulate chirp --low-hz 1 --high-hz 2 --amplitude-deg 5 --duration-s 1");
+    assert_eq!(run("simulate chirp --from-hz 1 --to-hz 2 --amplitude-deg 5 --duration-s 1"), one);
+    assert_eq!(run("simulate ramp --travel-deg 5"), run("simulate ramp --amplitude-deg 5"));
+    for (shape, names) in [
+        ("multisine", ["--low-hz", "from-hz", "--high-hz", "to-hz", "--tones"]),
+        ("chirp", ["low-hz", "--from-hz", "high-hz", "--to-hz", "--amplitude-deg"]),
+        ("ramp", ["--travel-deg", "amplitude-deg", "--speed-rad-s", "--duration-s", "--help"]),
+    ] {
+        let help = run(&format!("link --port none run {shape} --help"));
+        assert!(names.iter().all(|name| help.contains(name)), "{shape}: {help}");
+    }
+}
+
+/// The fastest of several, for a computer with other work starts nothing at once.
+#[test]
+fn the_version_is_told_at_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let took = (0..20).map(|_| {
+        let start = std::time::Instant::now();
+        assert!(printed(folder.path(), "--version").starts_with("servo-lab "));
+        start.elapsed()
+    });
+    let fastest = took.min().unwrap();
+    println!("servo-lab --version: {fastest:?}");
+    // A debug build is ten times the file to map.
+    assert!(fastest.as_millis() < if cfg!(debug_assertions) { 100 } else { 20 }, "{fastest:?}");
+}
+
+#[test]
 fn bad_input_of_every_command_is_one_line_and_writes_nothing() {
     let folder = folder();
     let cases = [
@@ -84,8 +135,11 @@ fn bad_input_of_every_command_is_one_line_and_writes_nothing() {
         ("simulate --reference bad_reference.csv --out out.csv", "bad_reference.csv:3: t_s: 0 does not rise"),
         ("simulate --duration-s=-1 --out out.csv", "duration_s"),
         ("simulate --duration-s nan --out out.csv", "duration_s"),
-        ("simulate --amplitude-deg 1e9 --out out.csv", "amplitude_rad"),
+        ("simulate --amplitude-deg 500 --out out.csv", "amplitude_deg: 500 is not allowed, -360.96 to 360.96 is"),
+        ("simulate ramp --travel-deg=-5 --out out.csv", "travel_deg: -5 is not allowed, 0.01 to"),
+        ("simulate multisine --tones 0 --out out.csv", "tones: 0 is not allowed, 1 to 16 is"),
         ("simulate chirp --high-hz 1000 --out out.csv", "to_hz"),
+        ("simulate chirp --to-hz 1000 --out out.csv", "to_hz"),
         ("simulate ramp --speed-rad-s 0 --out out.csv", "speed_rad_s"),
         ("simulate steps --dwell-s 0 --out out.csv", "dwell_s"),
         ("simulate --fluid q --dead-time-ms 5 --lag-ms 5 --out out.csv", "not both"),
@@ -173,6 +227,26 @@ fn compare_writes_a_picture() {
     assert!(text.starts_with("run.csv: 600 rows, 0.299 s, 0 gaps\n"), "{text}");
     let svg = fs::read_to_string(folder.path().join("compare-run.svg")).unwrap();
     assert!(svg.contains("<svg") && svg.contains("time (s)"));
+    assert!(svg.contains("recorded") && svg.contains("nominal") && !svg.contains("improved"));
+}
+
+#[test]
+fn compare_draws_an_improved_model_beside_the_other() {
+    let folder = folder();
+    fs::write(folder.path().join("poor.toml"), MACHINE.replace("coulomb = 0.763", "coulomb = 0.3")).unwrap();
+    // Long enough for means over speed.
+    printed(folder.path(), "simulate steps --machine machine.toml --duration-s 4 --out long.csv");
+    let text = printed(folder.path(), "compare --machine poor.toml --improved machine.toml long.csv");
+    assert!(text.contains("\nthe improved model:\n  50 ms windows  residual "), "{text}");
+    let svg = fs::read_to_string(folder.path().join("compare-long.svg")).unwrap();
+    for name in ["recorded", "nominal", "improved", "nominal, 95 %", "improved, 95 %", "nominal, one window"] {
+        assert!(svg.contains(name), "{name}");
+    }
+    refused(
+        folder.path(),
+        "compare --machine machine.toml --improved linear.toml run.csv",
+        "linear.toml: axis.kind: linear",
+    );
 }
 
 #[test]

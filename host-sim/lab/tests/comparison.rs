@@ -94,7 +94,7 @@ fn on_real_machine(folder: &str, file: &str) -> Option<Shares> {
     let orders = comparison.orders().map(|found| (found.orders.iter().map(|o| o.per_rev).collect(), found.explained));
     let picture = tempfile::tempdir().unwrap();
     let svg = picture.path().join("compare.svg");
-    comparison.figure(file).write(&svg).unwrap();
+    comparison.figure(file, None).write(&svg).unwrap();
     assert!(Path::new(&svg).metadata().unwrap().len() > 10_000, "a picture with something in it");
     let (direction, speed) = (comparison.explained(Channel::Direction), comparison.explained(Channel::Speed));
     Some(Shares { direction, speed, orders })

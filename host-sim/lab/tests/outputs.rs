@@ -306,7 +306,7 @@ fn a_verdict_that_is_asked_about_ends_with_1_and_the_page_tells_what_made_it() {
     assert_eq!(lab(folder.path(), &format!("{line} --fail-on {}", others.join(","))).status.code(), Some(0));
     let page = fs::read_to_string(folder.path().join("a.html")).unwrap();
     let sha256 = json["provenance"]["inputs"][1]["sha256"].as_str().unwrap();
-    assert!(page.contains("What made this page") && page.contains(sha256));
+    assert!(page.contains("How to reproduce this page") && page.contains(sha256));
     assert!(fs::read_to_string(folder.path().join("b.toml")).unwrap().starts_with("# Written by servo-lab"));
     assert_eq!((json["schema"].as_u64(), json["provenance"]["seed"].as_u64()), (Some(2), Some(1)));
 }

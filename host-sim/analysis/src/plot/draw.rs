@@ -12,7 +12,7 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use super::dashes::broken;
 use super::decimate;
-use super::figure::{Figure, Mark, Panel, Series, is_shown};
+use super::figure::{Figure, Ink, Mark, Panel, Series, is_shown};
 use super::ticks::{range, tick_label};
 
 /// Units of the drawing in one pixel of the picture: plotters rounds to whole units, which shows in slow curves.
@@ -26,6 +26,8 @@ const Y_AXIS_WIDTH: u32 = 74 * UNITS_PER_PIXEL;
 const MARGIN: u32 = 8 * UNITS_PER_PIXEL;
 const TEXT_SIZE: u32 = 13 * UNITS_PER_PIXEL;
 const DOT_RADIUS: u32 = 3 * UNITS_PER_PIXEL / 2;
+/// Half the width of the ends of an error bar.
+const BAR_END: f64 = 3.0 * UNITS_PER_PIXEL as f64;
 
 /// Points of all curves and dots of all clouds of a figure: at some 10 and 100 bytes each they stay under 500 kB.
 const MOST_CURVE_POINTS: usize = 18_000;
@@ -42,8 +44,25 @@ const COLOURS: [RGBColor; 8] = [
     RGBColor(86, 180, 233),
     RGBColor(0, 0, 0),
 ];
+/// Of the same, for what has one colour in every figure: grey, vermilion, blue.
+const RECORDED: RGBColor = RGBColor(70, 70, 70);
+const NOMINAL: RGBColor = RGBColor(213, 94, 0);
+const IMPROVED: RGBColor = RGBColor(0, 114, 178);
 const FRAME: RGBColor = RGBColor(60, 60, 60);
 const GRID: RGBColor = RGBColor(222, 222, 222);
+
+/// The series of a panel with their colours.
+fn inked(panel: &Panel) -> impl Iterator<Item = (&Series, RGBColor)> {
+    panel.series.iter().zip(COLOURS.into_iter().cycle()).map(|(series, by_place)| {
+        let colour = match series.ink {
+            Ink::ByPlace => by_place,
+            Ink::Recorded => RECORDED,
+            Ink::Nominal => NOMINAL,
+            Ink::Improved => IMPROVED,
+        };
+        (series, colour)
+    })
+}
 
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 type Chart<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
@@ -60,7 +79,8 @@ impl Budget {
     fn of(figure: &Figure) -> Self {
         let series = || figure.panels.iter().flat_map(|panel| &panel.series);
         let clouds = series().filter(|series| series.mark == Mark::Points).count();
-        let curves = series().count() - clouds;
+        let bars = series().filter(|series| series.mark == Mark::Bars).count();
+        let curves = series().count() - clouds - bars;
         let columns = MOST_CURVE_POINTS / 4 / curves.max(1);
         Self { columns: columns.clamp(1, WIDTH as usize / 2), dots: (MOST_DOTS / clouds.max(1)).max(1) }
     }
@@ -139,7 +159,7 @@ fn draw_panel(
         .x_desc(if has_x_axis { panel.x_label.as_str() } else { "" })
         .y_desc(&panel.y_label)
         .draw()?;
-    for (series, colour) in panel.series.iter().zip(COLOURS.into_iter().cycle()) {
+    for (series, colour) in inked(panel) {
         draw_series(&mut chart, series, colour, x, &y, budget)?;
     }
     Ok(())
@@ -156,6 +176,18 @@ fn draw_series(
     if series.mark == Mark::Points {
         let points = decimate::cloud(&series.points, x, y, budget.dots);
         chart.draw_series(points.into_iter().map(|point| Circle::new(point, DOT_RADIUS, dot(colour))))?;
+    } else if series.mark == Mark::Bars {
+        let width = f64::from(chart.plotting_area().dim_in_pixel().0);
+        let end = BAR_END * (x.end - x.start) / width;
+        let pieces = series.points.chunks_exact(2).filter(|bar| bar.iter().all(is_shown)).flat_map(|bar| {
+            let [(at, low), (_, high)] = [bar[0], bar[1]];
+            [
+                vec![(at, low), (at, high)],
+                vec![(at - end, low), (at + end, low)],
+                vec![(at - end, high), (at + end, high)],
+            ]
+        });
+        chart.draw_series(pieces.map(|piece| PathElement::new(piece, stroke(colour))))?;
     } else {
         let mut pieces = decimate::curve(&series.points, x, budget.columns);
         if series.mark == Mark::Step {
@@ -175,12 +207,21 @@ fn draw_legend(area: &Area<'_>, panel: &Panel) -> Result<(), Box<dyn std::error:
     let (sample, space, middle) = (28 * unit, 6 * unit, LEGEND_HEIGHT as i32 / 2);
     let mut left = (MARGIN + Y_AXIS_WIDTH) as i32 + space;
     let font = ("sans-serif", TEXT_SIZE).into_font().color(&FRAME).pos(Pos::new(HPos::Left, VPos::Center));
-    for (series, colour) in panel.series.iter().zip(COLOURS.into_iter().cycle()) {
+    for (series, colour) in inked(panel) {
         if series.name.is_empty() {
             continue;
         }
         if series.mark == Mark::Points {
             area.draw(&Circle::new((left + sample / 2, middle), DOT_RADIUS, dot(colour)))?;
+        } else if series.mark == Mark::Bars {
+            let (at, half, end) = (left + sample / 2, LEGEND_HEIGHT as i32 / 3, BAR_END as i32);
+            for bar in [
+                vec![(at, middle - half), (at, middle + half)],
+                vec![(at - end, middle - half), (at + end, middle - half)],
+                vec![(at - end, middle + half), (at + end, middle + half)],
+            ] {
+                area.draw(&PathElement::new(bar, stroke(colour)))?;
+            }
         } else {
             let (from, to) = (f64::from(left), f64::from(left + sample));
             for piece in broken(&[(from, 0.0), (to, 0.0)], series.stroke, (1.0, 1.0)) {

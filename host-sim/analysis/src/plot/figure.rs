@@ -12,6 +12,22 @@ pub enum Mark {
     Step,
     /// A dot at each point.
     Points,
+    /// An error bar from each point to the next: pairs of its lower and its upper end.
+    Bars,
+}
+
+/// What a series is drawn in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Ink {
+    /// The colour of its place among the series of the panel.
+    #[default]
+    ByPlace,
+    /// Recorded data, the same in every figure.
+    Recorded,
+    /// The nominal model, likewise.
+    Nominal,
+    /// The improved model, likewise.
+    Improved,
 }
 
 /// How the line of a curve is drawn.
@@ -37,6 +53,8 @@ pub struct Series {
     pub mark: Mark,
     /// How its line is drawn; a cloud has none.
     pub stroke: Stroke,
+    /// Its colour.
+    pub ink: Ink,
     /// (x, y) in the units of the panel's axes; a point that is not finite breaks the curve.
     pub points: Vec<(f64, f64)>,
 }
@@ -44,13 +62,25 @@ pub struct Series {
 impl Series {
     /// A series of `points`, (x, y).
     pub fn new(name: &str, mark: Mark, points: impl IntoIterator<Item = (f64, f64)>) -> Self {
-        Self { name: name.to_owned(), mark, stroke: Stroke::Solid, points: points.into_iter().collect() }
+        let points = points.into_iter().collect();
+        Self { name: name.to_owned(), mark, stroke: Stroke::Solid, ink: Ink::ByPlace, points }
+    }
+
+    /// Error bars: at each x from low to high, as (x, low, high).
+    pub fn bars(name: &str, bars: impl IntoIterator<Item = (f64, f64, f64)>) -> Self {
+        Self::new(name, Mark::Bars, bars.into_iter().flat_map(|(x, low, high)| [(x, low), (x, high)]))
     }
 
     /// The same in another stroke.
     #[must_use]
     pub fn with(self, stroke: Stroke) -> Self {
         Self { stroke, ..self }
+    }
+
+    /// The same in another colour.
+    #[must_use]
+    pub fn inked(self, ink: Ink) -> Self {
+        Self { ink, ..self }
     }
 
     /// A cross at a single point, larger than a dot; its half width and height are in the units of the axes.

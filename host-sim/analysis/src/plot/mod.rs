@@ -21,7 +21,7 @@ mod draw;
 mod figure;
 mod ticks;
 
-pub use figure::{Figure, Mark, Panel, Series, Stroke};
+pub use figure::{Figure, Ink, Mark, Panel, Series, Stroke};
 
 use std::path::Path;
 

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use er_servo::Counts;
-use er_servo::experiment::{Experiment, Sequence};
+use er_servo::experiment::{Experiment, ExperimentError, Sequence};
 
 use super::Disturbance;
 use recording::Error;
@@ -111,7 +111,9 @@ impl Reference {
         match self {
             Self::Experiment(experiment) => {
                 let sequence = experiment.start(period_s as f32);
-                sequence.map(Positions::Experiment).map_err(|error| Error::Usage(format!("experiment: {error}")))
+                sequence
+                    .map(Positions::Experiment)
+                    .map_err(|error| Error::Usage(format!("experiment: {}", in_degrees(&error))))
             }
             Self::Samples { t_s, reference_rad } => {
                 let length_s = t_s.last().unwrap_or(&0.0) - t_s.first().unwrap_or(&0.0);
@@ -146,6 +148,14 @@ impl Iterator for Positions<'_> {
             }
         }
     }
+}
+
+/// What is wrong with an experiment, with angles in the degrees that people give them in.
+pub fn in_degrees(error: &ExperimentError) -> String {
+    let Some(name) = error.name.strip_suffix("_rad") else { return error.to_string() };
+    let degrees = |rad: f32| (100.0 * f64::from(rad).to_degrees()).round() / 100.0;
+    let (value, min, max) = (degrees(error.value), degrees(error.min), degrees(error.max));
+    format!("{name}_deg: {value} is not allowed, {min} to {max} is")
 }
 
 #[cfg(test)]

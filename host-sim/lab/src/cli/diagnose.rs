@@ -70,12 +70,12 @@ struct Asked {
     experiment: Option<Output>,
 }
 
-/// Diagnoses the recordings; every verdict is success but those of `--fail-on`.
+/// Diagnoses the recordings, `verbose` with how long each stage took; every verdict is success but those of `--fail-on`.
 ///
 /// # Errors
 /// Files that cannot be read, effects that do not exist, data that nothing can be computed from, outputs that cannot be
 /// written.
-pub fn run(args: &Args) -> Result<ExitCode, Error> {
+pub fn run(args: &Args, verbose: bool) -> Result<ExitCode, Error> {
     let (asked, mut outputs) = args.files()?;
     if let Some(jobs) = args.jobs {
         rayon::ThreadPoolBuilder::new()
@@ -92,7 +92,7 @@ pub fn run(args: &Args) -> Result<ExitCode, Error> {
     let warnings = precheck::warnings(&machine, &recordings, &holdout, Purpose::Diagnose)?;
     let mut diagnosis = args.diagnosed(&machine, &recordings, &holdout)?;
     diagnosis.answer.warnings.splice(0..0, warnings);
-    if args.stages {
+    if args.stages || verbose {
         diagnosis.stages.taken().iter().for_each(|(stage, took)| eprintln!("{stage:24} {:7.3} s", took.as_secs_f64()));
     }
     if let (Some(output), Some(proposal), Some(experiment)) = (

@@ -21,7 +21,8 @@ Example:
   servo-lab replay --machine machine.toml run.csv";
 pub(super) const COMPARE: &str = "\
 Example:
-  servo-lab compare --machine machine.toml --plots out run1.csv run2.csv";
+  servo-lab compare --machine machine.toml --plots out run1.csv run2.csv
+  servo-lab compare --machine machine.toml --improved improved.toml --plots out run1.csv";
 pub(super) const DELAYS: &str = "\
 Example:
   servo-lab delays --machine machine.toml --plot delays.svg step30.csv step20.csv step10.csv --holdout step25.csv";
@@ -59,6 +60,11 @@ Example:
 pub(super) const DEMO: &str = "\
 Example:
   servo-lab demo";
+pub(super) const HELP: &str = "\
+Example:
+  servo-lab help effects
+  servo-lab help backlash
+  servo-lab help diagnose";
 pub(super) const COMPLETIONS: &str = "\
 Example:
   servo-lab completions bash > ~/.local/share/bash-completion/completions/servo-lab";

@@ -23,6 +23,7 @@ mod stability;
 mod tune;
 
 use std::process::ExitCode;
+use std::time::Instant;
 
 use crate::Error;
 use crate::output::Files;
@@ -41,6 +42,12 @@ Exit codes:
 #[derive(Debug, clap::Parser)]
 #[command(name = "servo-lab", version, after_help = EXIT_CODES, disable_help_subcommand = true)]
 pub struct Cli {
+    /// Shows no progress.
+    #[arg(long, short, global = true, conflicts_with = "verbose")]
+    quiet: bool,
+    /// Tells on standard error which build this is, how long it took, and of a diagnosis how long each stage.
+    #[arg(long, short, global = true)]
+    verbose: bool,
     #[command(subcommand)]
     command: Command,
 }
@@ -102,6 +109,7 @@ enum Command {
     #[command(after_help = examples::DEMO)]
     Demo(demo::Args),
     /// Explain a command, the vocabulary of effects, or the formats of logs.
+    #[command(after_help = examples::HELP)]
     Help(help::HelpArgs),
     /// Print completions for a shell.
     #[command(after_help = examples::COMPLETIONS)]
@@ -141,8 +149,21 @@ impl Cli {
     /// # Errors
     /// Input that cannot be read, flags that cannot be followed, an output that cannot be written.
     pub fn run(&self) -> Result<ExitCode, Error> {
+        if !self.quiet {
+            crate::progress_bar::show();
+        }
+        let start = Instant::now();
+        let outcome = self.carry_out();
+        if self.verbose {
+            let (version, commit) = (env!("CARGO_PKG_VERSION"), env!("SERVO_LAB_COMMIT"));
+            eprintln!("servo-lab {version}, commit {commit}: took {:.3} s", start.elapsed().as_secs_f64());
+        }
+        outcome
+    }
+
+    fn carry_out(&self) -> Result<ExitCode, Error> {
         match &self.command {
-            Command::Diagnose(args) => return diagnose::run(args),
+            Command::Diagnose(args) => return diagnose::run(args, self.verbose),
             Command::Help(args) => help::help(args),
             Command::Completions(args) => help::completions(args),
             Command::Man(args) => help::man(args),

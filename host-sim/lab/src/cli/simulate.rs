@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use er_servo::experiment::{Experiment, Shape};
+use er_servo::experiment::{Experiment, MAX_TONES, Shape};
 
 use super::Overwrite;
 use super::machine::MachineArgs;
@@ -16,7 +16,7 @@ enum Kind {
     Step,
     /// A new level within --amplitude-deg after each --dwell-s, drawn from --seed.
     Steps,
-    /// Sixteen tones from --low-hz to --high-hz.
+    /// So many --tones from --low-hz to --high-hz.
     Multisine,
     /// One sine from --low-hz to --high-hz.
     Chirp,
@@ -41,17 +41,20 @@ pub struct Args {
     #[arg(long, default_value_t = 2.0)]
     duration_s: f32,
     /// Amplitude, degrees.
-    #[arg(long, default_value_t = 30.0, allow_negative_numbers = true)]
+    #[arg(long, visible_alias = "travel-deg", default_value_t = 30.0, allow_negative_numbers = true)]
     amplitude_deg: f32,
     /// Time at each level of steps, s.
     #[arg(long, default_value_t = 0.4)]
     dwell_s: f32,
-    /// Lowest frequency, Hz.
-    #[arg(long, default_value_t = 0.2)]
+    /// Lowest frequency, or that at the start of a chirp, Hz.
+    #[arg(long, visible_alias = "from-hz", default_value_t = 0.2)]
     low_hz: f32,
-    /// Highest frequency, Hz.
-    #[arg(long, default_value_t = 8.0)]
+    /// Highest frequency, or that at the end of a chirp, Hz.
+    #[arg(long, visible_alias = "to-hz", default_value_t = 8.0)]
     high_hz: f32,
+    /// Number of tones of a multisine.
+    #[arg(long, default_value_t = MAX_TONES)]
+    tones: u8,
     /// Speed of the ramp, rad/s.
     #[arg(long, default_value_t = 1.0)]
     speed_rad_s: f32,
@@ -175,7 +178,7 @@ impl Args {
         match self.scenario {
             Kind::Step => Shape::Step { amplitude_rad },
             Kind::Steps => Shape::Steps { amplitude_rad, dwell_s: self.dwell_s, seed: self.seed },
-            Kind::Multisine => Shape::Multisine { amplitude_rad, low_hz, high_hz, tones: 16 },
+            Kind::Multisine => Shape::Multisine { amplitude_rad, low_hz, high_hz, tones: self.tones },
             Kind::Chirp => Shape::Chirp { amplitude_rad, from_hz: low_hz, to_hz: high_hz },
             Kind::Ramp => Shape::Ramp { speed_rad_s: self.speed_rad_s, travel_rad: amplitude_rad },
             Kind::Disturbance => Shape::Step { amplitude_rad: 0.0 },

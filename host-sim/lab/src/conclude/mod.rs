@@ -3,6 +3,8 @@
 mod answer;
 mod controller;
 mod stretches;
+mod values;
+mod whitened;
 
 use diagnosis::effects::{Effect, VOCABULARY};
 use diagnosis::physics::Physics;
@@ -12,6 +14,7 @@ use diagnosis::recorded::Recorded;
 
 use self::controller::mismatch;
 use self::stretches::stretches;
+pub use self::whitened::Whitened;
 use crate::Error;
 use crate::progress::Stages;
 use crate::propose::{self, Limits, Proposal};
@@ -45,6 +48,8 @@ pub struct Diagnosis {
     pub nominal: Physics,
     /// The machine of the best hypothesis, numbered likewise.
     pub improved: Physics,
+    /// What each recording, as far as it was looked at, leaves of both machines.
+    pub whitened: Vec<Whitened>,
     /// What to record next, where the verdict is ambiguous.
     pub proposal: Option<Proposal>,
     /// How long each stage took.
@@ -84,8 +89,12 @@ pub fn diagnose(request: &Request<'_>) -> Result<Diagnosis, Error> {
     })?;
     stages.done("search, refit and confidence set");
     let mut answer = answer::answer(&problem, &conclusion, machine.axis.kind);
-    if let Some(effect) = controller {
-        (answer.verdict, answer.effects) = (Verdict::Controller, vec![effect]);
+    match controller {
+        Some(effect) => (answer.verdict, answer.effects) = (Verdict::Controller, vec![effect]),
+        None => {
+            answer.alternatives = values::alternatives(&problem, &conclusion, machine.axis.kind);
+            answer.correlation = values::correlation(&conclusion, machine.axis.kind);
+        }
     }
     answer.warnings = notes;
     stages.done("answer");
@@ -95,7 +104,8 @@ pub fn diagnose(request: &Request<'_>) -> Result<Diagnosis, Error> {
     answer.warnings.extend(answer::warnings(&problem, &conclusion, answer.experiment.is_some()));
     stages.done("propose");
     let improved = conclusion.best.assessed.refitted.hypothesis.physics(&problem.nominal);
-    Ok(Diagnosis { answer, improved, nominal: problem.nominal, proposal, stages })
+    let whitened = whitened::all(&problem, &conclusion);
+    Ok(Diagnosis { answer, improved, nominal: problem.nominal, whitened, proposal, stages })
 }
 
 /// Rivals at most that an experiment is chosen for; every one of them costs time.

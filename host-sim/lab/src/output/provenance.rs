@@ -13,7 +13,7 @@ use crate::Error;
 
 /// The environment variable in place of the clock, in seconds since 1970, for outputs that are the same to the byte
 /// (reproducible-builds.org).
-const CLOCK: &str = "SOURCE_DATE_EPOCH";
+pub const CLOCK: &str = "SOURCE_DATE_EPOCH";
 
 /// What made an output. Two runs of one program on the same inputs differ in `date` alone.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]

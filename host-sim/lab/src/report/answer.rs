@@ -50,11 +50,56 @@ pub struct Answer {
     pub rejected: Vec<Rejected>,
     /// What to record next.
     pub experiment: Option<Experiment>,
+    /// Models that these recordings do not exclude beside the best one though another motion may, by their likelihood.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub alternatives: Vec<AlternativeAnswer>,
+    /// How the errors of the values of `effects` go together; none with fewer than two of them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub correlation: Option<CorrelationAnswer>,
     /// What is left and predictable, where something is.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub remainder: Option<RemainderAnswer>,
     /// What the user should know before believing this.
     pub warnings: Vec<String>,
+}
+
+/// A model that these recordings do not exclude.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct AlternativeAnswer {
+    /// All of its effects, each with the values that it has in this model.
+    pub effects: Vec<AlternativeEffect>,
+}
+
+/// An effect of an alternative.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct AlternativeEffect {
+    /// Identifier of the vocabulary.
+    pub id: String,
+    /// Its values.
+    pub parameters: Vec<AlternativeValue>,
+    /// The recording it happens in, for events.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub recording: Option<String>,
+}
+
+/// A value of an alternative, which has no interval of its own.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct AlternativeValue {
+    /// Identifier of the parameter, its unit last.
+    pub id: String,
+    /// Estimate.
+    pub value: f64,
+    /// Unit.
+    pub unit: String,
+}
+
+/// Correlation of the errors of fitted values.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct CorrelationAnswer {
+    /// `effect.parameter` of each row and column; the second entry of an effect is `effect#2.parameter`.
+    pub values: Vec<String>,
+    /// -1 to 1, symmetric, 1 on the diagonal.
+    pub matrix: Vec<Vec<f64>>,
 }
 
 /// What the best model leaves and a channel predicts. The values of the effects may have absorbed some of it.

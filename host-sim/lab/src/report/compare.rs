@@ -6,15 +6,18 @@ use diagnosis::windows::HORIZONS_S;
 use plant::Model;
 
 use super::Units;
+use super::text::{fall, per_cent};
 use crate::Error;
-use crate::plot::{Figure, Mark, Panel, Series};
+use crate::plot::{Figure, Ink, Mark, Panel, Series, Stroke};
 use crate::read::{Axis, Recording};
-use crate::residual::{Channel, Map, Orders, Residual, Window, residual, sensor_noise};
+use crate::residual::{Bin, Channel, Map, Orders, Residual, Window, residual, sensor_noise};
 
 /// Length of the shorter windows, s, where ten rows take no longer;
 pub const HORIZON_S: f64 = HORIZONS_S[0];
 /// the longer ones are so many times that.
 const LONGER: f64 = HORIZONS_S[1] / HORIZONS_S[0];
+/// Standard normal deviate of a 95 % interval.
+const TWO_SIDED_95: f64 = 1.959_964;
 /// Windows named as the worst.
 const WORST: usize = 5;
 
@@ -65,32 +68,70 @@ impl<'a> Comparison<'a> {
         self.orders.as_ref()
     }
 
-    /// Position, residual over time, residual torque over each channel the recording has.
-    pub fn figure(&self, title: &str) -> Figure {
+    /// Position, residual over time, residual torque over each channel the recording has; of an improved model too, where there
+    /// is one. Bars are 95 % intervals of means.
+    pub fn figure(&self, title: &str, improved: Option<&Self>) -> Figure {
         let (r, u) = (self.recording, self.units);
-        let position = Series::new("recorded", Mark::Line, r.t_s.iter().copied().zip(r.position.iter().copied()));
-        let mut panels = vec![Panel::new("time (s)", &format!("position ({})", u.position), vec![position])];
-        panels.extend(self.residuals.iter().map(|residual| self.residual_panel(residual)));
+        let mut position = vec![
+            Series::new("recorded", Mark::Line, r.t_s.iter().copied().zip(r.position.iter().copied()))
+                .inked(Ink::Recorded),
+        ];
+        let models = self.models(improved);
+        position.extend(models.iter().map(|(name, ink, model)| model.simulated(name).inked(*ink).with(stroke(*ink))));
+        let mut panels = vec![Panel::new("time (s)", &format!("position ({})", u.position), position)];
+        // The longer windows leave far more, so each length has a panel of its own.
+        panels.extend((0..self.residuals.len()).map(|length| {
+            let series = models.iter().map(|(name, ink, model)| model.residual_series(length, name).inked(*ink));
+            Panel::new("time (s)", &format!("recorded - simulated ({})", u.position), series.collect())
+        }));
         let torque = format!("residual {} ({})", u.effort_name, u.effort);
         for map in self.maps.iter().filter(|map| map.channel != Channel::Direction && map.channel != Channel::Time) {
             let (name, unit) = self.channel_label(map.channel);
-            panels.push(Panel::new(&format!("{name} ({unit})"), &torque, self.map_series(map)));
+            let series = models.iter().flat_map(|(name, ink, model)| model.map_series(map.channel, name, *ink));
+            panels.push(Panel::new(&format!("{name} ({unit})"), &torque, series.collect()));
         }
         Figure { title: title.to_owned(), panels }
     }
 
-    /// The longer windows leave far more, so each length has a panel of its own.
-    fn residual_panel(&self, residual: &Residual) -> Panel {
-        let rows = residual.windows.iter().flat_map(|window| (window.start..window.end).zip(&window.residual));
-        let name = format!("windows of {:.0} ms", 1e3 * residual.horizon_s);
-        let series = Series::new(&name, Mark::Line, rows.map(|(row, value)| (self.recording.t_s[row], *value)));
-        Panel::new("time (s)", &format!("recorded - simulated ({})", self.units.position), vec![series])
+    /// This model, and the improved one over it.
+    fn models<'b>(&'b self, improved: Option<&'b Self>) -> Vec<(&'static str, Ink, &'b Self)> {
+        let improved = improved.map(|improved| ("improved", Ink::Improved, improved));
+        std::iter::once(("nominal", Ink::Nominal, self)).chain(improved).collect()
     }
 
-    fn map_series(&self, map: &Map) -> Vec<Series> {
-        let points = Map::points(map.channel, &self.residuals[0], self.recording).unwrap_or_default();
-        let means = map.bins.iter().map(|bin| (0.5 * (bin.low + bin.high), bin.mean_torque));
-        vec![Series::new("one window", Mark::Points, points), Series::new("mean", Mark::Line, means)]
+    /// The position that the model has in the longer windows, broken where one begins anew.
+    fn simulated(&self, name: &str) -> Series {
+        let windows = self.residuals.last().map_or(&[][..], |residual| &residual.windows);
+        let rows = windows.iter().flat_map(|window| {
+            let rows = (window.start..window.end).zip(&window.residual);
+            rows.map(|(row, left)| (self.recording.t_s[row], self.recording.position[row] - left))
+                .chain([(f64::NAN, f64::NAN)])
+        });
+        Series::new(name, Mark::Line, rows)
+    }
+
+    fn residual_series(&self, length: usize, name: &str) -> Series {
+        let residual = &self.residuals[length];
+        let rows = residual.windows.iter().flat_map(|window| (window.start..window.end).zip(&window.residual));
+        let name = format!("{name}, windows of {:.0} ms", 1e3 * residual.horizon_s);
+        Series::new(&name, Mark::Line, rows.map(|(row, value)| (self.recording.t_s[row], *value)))
+    }
+
+    /// The mean of each bin with its 95 % interval; of the nominal model each window, too.
+    fn map_series(&self, channel: Channel, name: &str, ink: Ink) -> Vec<Series> {
+        let Some(map) = self.maps.iter().find(|map| map.channel == channel) else { return Vec::new() };
+        let middle = |bin: &Bin| 0.5 * (bin.low + bin.high);
+        let bar = |bin: &Bin| {
+            let half = TWO_SIDED_95 * bin.standard_error;
+            (middle(bin), bin.mean_torque - half, bin.mean_torque + half)
+        };
+        let points = || Map::points(channel, &self.residuals[0], self.recording).unwrap_or_default();
+        let cloud = (ink == Ink::Nominal)
+            .then(|| Series::new("nominal, one window", Mark::Points, points()).inked(Ink::Recorded));
+        let means = map.bins.iter().map(|bin| (middle(bin), bin.mean_torque));
+        let mean = Series::new(&format!("{name}, mean"), Mark::Line, means).inked(ink).with(stroke(ink));
+        let bars = Series::bars(&format!("{name}, 95 %"), map.bins.iter().map(bar)).inked(ink);
+        cloud.into_iter().chain([mean, bars]).collect()
     }
 
     fn channel_label(&self, channel: Channel) -> (&'static str, &'static str) {
@@ -131,6 +172,21 @@ impl<'a> Comparison<'a> {
         Ok(())
     }
 
+    /// What this model, an improved one, leaves, and how much less that is than what another one does.
+    pub fn beside(&self, other: &Self) -> String {
+        let each = self.residuals.iter().zip(&other.residuals).map(|(own, other)| {
+            let (rms, before) = (own.rms(), other.rms());
+            format!(
+                "{:>4.0} ms windows  residual {rms:.3e} {} rms, {:.1} times the noise, {} % less\n",
+                1e3 * own.horizon_s,
+                self.units.position,
+                rms / self.noise.max(f64::MIN_POSITIVE),
+                per_cent(fall(before, rms))
+            )
+        });
+        each.collect()
+    }
+
     fn write_maps(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
         let u = self.units;
         let mut maps: Vec<&Map> = self.maps.iter().collect();
@@ -156,7 +212,7 @@ impl<'a> Comparison<'a> {
                 "  {:>5.1} %  {name:<9} {:+.4} +- {:.4} {} at {:.4} to {:.4} {unit}",
                 100.0 * map.explained,
                 bin.mean_torque,
-                1.96 * bin.standard_error,
+                TWO_SIDED_95 * bin.standard_error,
                 u.effort,
                 bin.low,
                 bin.high
@@ -164,6 +220,11 @@ impl<'a> Comparison<'a> {
         }
         Ok(())
     }
+}
+
+/// Where the two models run side by side, the strokes tell them apart without colours.
+fn stroke(ink: Ink) -> Stroke {
+    if ink == Ink::Improved { Stroke::Solid } else { Stroke::Dashed }
 }
 
 impl Display for Comparison<'_> {

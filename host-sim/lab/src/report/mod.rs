@@ -8,8 +8,8 @@ mod text;
 mod units;
 
 pub use answer::{
-    Answer, EffectAnswer, Evidence, Experiment, FitAnswer, Interval, Location, PredictorAnswer, Region, Rejected,
-    RemainderAnswer, Verdict,
+    AlternativeAnswer, AlternativeEffect, AlternativeValue, Answer, CorrelationAnswer, EffectAnswer, Evidence,
+    Experiment, FitAnswer, Interval, Location, PredictorAnswer, Region, Rejected, RemainderAnswer, Verdict,
 };
 pub use improved::improved_machine;
 pub use text::summary;

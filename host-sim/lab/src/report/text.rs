@@ -2,17 +2,43 @@
 
 use std::fmt::Write;
 
-use super::{Answer, EffectAnswer, FitAnswer, RemainderAnswer, Verdict};
+use super::html::number;
+use super::{Answer, EffectAnswer, FitAnswer, Interval, Location, RemainderAnswer, Verdict};
 
-/// A few lines that say what the answer says.
-pub fn summary(answer: &Answer) -> String {
-    let mut text = String::new();
-    // Writing to a string cannot fail.
-    let _ = write_summary(&mut text, answer);
-    text
+/// Lines of the longest answer: what a terminal shows at once.
+const MOST_LINES: usize = 40;
+
+/// How much of each effect is told.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Detail {
+    /// What it is, its values, why it is believed, what it may be instead.
+    All,
+    /// One line: its values, and what it may be instead.
+    Line,
 }
 
-fn write_summary(text: &mut String, answer: &Answer) -> std::fmt::Result {
+/// At most forty lines that say what the answer says; of a long one what is left out is in the JSON and on the page.
+pub fn summary(answer: &Answer) -> String {
+    let written = |detail| {
+        let mut text = String::new();
+        // Writing to a string cannot fail.
+        let _ = write_summary(&mut text, answer, detail);
+        text
+    };
+    let text = written(Detail::All);
+    if text.lines().count() <= MOST_LINES {
+        return text;
+    }
+    let text = written(Detail::Line);
+    let lines: Vec<&str> = text.lines().collect();
+    if lines.len() <= MOST_LINES {
+        return text;
+    }
+    let (shown, rest) = lines.split_at(MOST_LINES - 1);
+    format!("{}\n... and {} more lines: --html FILE and --json FILE have all of it\n", shown.join("\n"), rest.len())
+}
+
+fn write_summary(text: &mut String, answer: &Answer, detail: Detail) -> std::fmt::Result {
     let headline = match answer.verdict {
         Verdict::None => "Nothing is missing from the model beyond the noise of these recordings.",
         Verdict::Named => "This is missing from the model:",
@@ -25,23 +51,15 @@ fn write_summary(text: &mut String, answer: &Answer) -> std::fmt::Result {
     if !answer.verdict.believes_its_effects() && !answer.effects.is_empty() {
         writeln!(text, "\nFitted, but not believed:")?;
     }
-    answer.effects.iter().try_for_each(|effect| write_effect(text, effect))?;
+    match detail {
+        Detail::All => answer.effects.iter().try_for_each(|effect| write_effect(text, effect))?,
+        Detail::Line => answer.effects.iter().try_for_each(|effect| write_line(text, effect))?,
+    }
     write_fit(text, &answer.fit)?;
     if let Some(left) = &answer.remainder {
         write_remainder(text, left)?;
     }
-    for location in answer.locations.iter().take(3) {
-        let (from, to) = (location.start_s, location.end_s);
-        writeln!(
-            text,
-            "{} % ({} to {} %) of the excess at {from:.2} to {to:.2} s of {}: {}",
-            per_cent(location.share),
-            per_cent(location.share_low),
-            per_cent(location.share_high),
-            location.recording,
-            location.text
-        )?;
-    }
+    answer.locations.iter().take(3).try_for_each(|location| write_location(text, location))?;
     if let Some(experiment) = &answer.experiment {
         writeln!(text, "Next: {}", experiment.text)?;
     }
@@ -49,6 +67,20 @@ fn write_summary(text: &mut String, answer: &Answer) -> std::fmt::Result {
         writeln!(text, "Warning: {warning}")?;
     }
     Ok(())
+}
+
+/// A span of time in which the nominal model fails.
+fn write_location(text: &mut String, location: &Location) -> std::fmt::Result {
+    let (from, to) = (location.start_s, location.end_s);
+    writeln!(
+        text,
+        "{} % ({} to {} %) of the excess at {from:.2} to {to:.2} s of {}: {}",
+        per_cent(location.share),
+        per_cent(location.share_low),
+        per_cent(location.share_high),
+        location.recording,
+        location.text
+    )
 }
 
 /// A share in per cent with one decimal, never rounded up: what is nearly the whole is not all of it.
@@ -61,11 +93,25 @@ pub(super) fn fall(before: f64, after: f64) -> f64 {
     if before > 0.0 { 1.0 - after / before } else { 0.0 }
 }
 
+/// A value with its interval, in the digits that the interval leaves.
+fn valued(of: &Interval) -> String {
+    let [value, low, high] = [of.value, of.low, of.high].map(|end| number(end, of.high - of.low));
+    format!("{value} ({low} to {high}) {}", of.unit)
+}
+
+/// An effect with its values in one line.
+fn write_line(text: &mut String, effect: &EffectAnswer) -> std::fmt::Result {
+    let values: Vec<String> = effect.parameters.iter().map(|p| format!("{} = {}", p.id, valued(p))).collect();
+    let others =
+        if effect.equivalent.is_empty() { String::new() } else { format!("; or {}", effect.equivalent.join(", ")) };
+    writeln!(text, "{}: {}{others}", effect.id, values.join(", "))
+}
+
 /// An effect with its values and why it is believed.
 fn write_effect(text: &mut String, effect: &EffectAnswer) -> std::fmt::Result {
     writeln!(text, "\n{}: {}", effect.id, effect.text)?;
     for p in &effect.parameters {
-        writeln!(text, "  {} = {:.6} ({:.6} to {:.6}) {}", p.id, p.value, p.low, p.high, p.unit)?;
+        writeln!(text, "  {} = {}", p.id, valued(p))?;
     }
     let e = effect.evidence;
     writeln!(
@@ -123,7 +169,7 @@ fn write_remainder(text: &mut String, left: &RemainderAnswer) -> std::fmt::Resul
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::{Evidence, Interval};
+    use crate::report::Evidence;
 
     fn answer(verdict: Verdict, fit: FitAnswer) -> Answer {
         let parameter = Interval { id: "amplitude_nm".into(), value: 18.0, low: 17.0, high: 19.0, unit: "N m".into() };
@@ -175,6 +221,21 @@ mod tests {
         assert!(text.contains("(0.7 % less)") && text.contains("3.1 % of the excess explained"), "{text}");
         let sentence = super::super::html::sentence(&answer);
         assert!(sentence.contains("is 0.7 % less"), "{sentence}");
+    }
+
+    #[test]
+    fn a_long_answer_has_forty_lines_and_says_what_is_left_out() {
+        let mut long = answer(Verdict::Partial, FitAnswer::default());
+        assert!(summary(&long).contains("\n  amplitude_nm = 18.0 (17.0 to 19.0) N m\n"), "{}", summary(&long));
+        long.effects = vec![long.effects[0].clone(); 12];
+        let text = summary(&long);
+        assert!(
+            text.lines().count() <= MOST_LINES && text.contains("\ncogging: amplitude_nm = 18.0 (17.0 to 19.0) N m\n")
+        );
+        long.effects = vec![long.effects[0].clone(); 60];
+        let text = summary(&long);
+        assert_eq!(text.lines().count(), MOST_LINES);
+        assert!(text.ends_with("more lines: --html FILE and --json FILE have all of it\n"), "{text}");
     }
 
     #[test]

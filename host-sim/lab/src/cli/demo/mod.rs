@@ -82,12 +82,8 @@ pub fn run(args: &Args) -> Result<(), Error> {
     output::print("\n3. The first beside a nominal model that knows neither:\n\n")?;
     let comparison = Comparison::new(&damped(0.0, 0.0), &machine.axis, &recorded[0])?;
     output::print(&indented(&comparison))?;
-    let picture = comparison.figure("steps.csv against a model without viscous friction and without field delay");
-    let output = written.compare;
-    output::figure(&mut written.outputs, output, &picture)?;
-    written.tell(output, "")?;
     output::print("\n4. What the model leaves out, fitted to the first two and judged on the third:\n\n")?;
-    diagnosed(&mut written, &machine, &recorded)?;
+    diagnosed(&mut written, &machine, &recorded, &comparison)?;
     output::print(&format!(
         "\nNext: cargo lab diagnose --machine {0}/machine.toml --holdout {0}/chirp.csv {0}/steps.csv {0}/multisine.csv\n      \
          cargo lab replay {0}/steps.csv   cargo lab --help\n",
@@ -128,8 +124,13 @@ fn recordings(written: &mut Written) -> Result<Vec<Recording>, Error> {
     recorded.collect()
 }
 
-/// Diagnoses the recordings, the last one held out, and writes the answer as a page.
-fn diagnosed(written: &mut Written, machine: &Machine, recorded: &[Recording]) -> Result<(), Error> {
+/// Diagnoses the recordings, the last one held out, writes the answer as a page, and draws what it makes of the first.
+fn diagnosed(
+    written: &mut Written,
+    machine: &Machine,
+    recorded: &[Recording],
+    nominal: &Comparison<'_>,
+) -> Result<(), Error> {
     let (recordings, holdout) = recorded.split_at(2);
     let diagnosis = diagnose(&Request { machine, recordings, holdout, vocabulary: &VOCABULARY })?;
     output::print(&indented(&report::summary(&diagnosis.answer)))?;
@@ -137,7 +138,12 @@ fn diagnosed(written: &mut Written, machine: &Machine, recorded: &[Recording]) -
     let made = Provenance::of(&written.outputs, Some(SEED))?;
     let (output, page) = (written.page, page(&machine.name, &diagnosis.answer, &plot, &made)?);
     output::text(&mut written.outputs, output, &formats::markup(&page))?;
-    written.tell(output, ", opens in a browser")
+    written.tell(output, ", opens in a browser")?;
+    let improved = Comparison::new(&diagnosis.improved.model_of(0), &machine.axis, &recorded[0])?;
+    let title = "steps.csv beside a model without viscous friction and field delay, and with what was found";
+    let output = written.compare;
+    output::figure(&mut written.outputs, output, &nominal.figure(title, Some(&improved)))?;
+    written.tell(output, ", before and after")
 }
 
 /// The paper's servo with a delay of the field, s.

@@ -37,10 +37,10 @@ pub enum Shape {
         #[arg(long, default_value_t = 10.0)]
         amplitude_deg: f32,
         /// Lowest tone, Hz.
-        #[arg(long, default_value_t = 0.2)]
+        #[arg(long, visible_alias = "from-hz", default_value_t = 0.2)]
         low_hz: f32,
         /// Highest tone, Hz.
-        #[arg(long, default_value_t = 8.0)]
+        #[arg(long, visible_alias = "to-hz", default_value_t = 8.0)]
         high_hz: f32,
         /// Number of tones.
         #[arg(long, default_value_t = MAX_TONES)]
@@ -55,10 +55,10 @@ pub enum Shape {
         #[arg(long, default_value_t = 10.0)]
         amplitude_deg: f32,
         /// Frequency at the start, Hz.
-        #[arg(long, default_value_t = 0.2)]
+        #[arg(long, visible_alias = "low-hz", default_value_t = 0.2)]
         from_hz: f32,
         /// Frequency at the end, Hz.
-        #[arg(long, default_value_t = 8.0)]
+        #[arg(long, visible_alias = "high-hz", default_value_t = 8.0)]
         to_hz: f32,
         /// Duration, s.
         #[arg(long, default_value_t = 20.0)]
@@ -70,7 +70,7 @@ pub enum Shape {
         #[arg(long, default_value_t = 1.0)]
         speed_rad_s: f32,
         /// Turning point, degrees.
-        #[arg(long, default_value_t = 30.0)]
+        #[arg(long, visible_alias = "amplitude-deg", default_value_t = 30.0)]
         travel_deg: f32,
         /// Duration, s.
         #[arg(long, default_value_t = 10.0)]
@@ -103,7 +103,7 @@ impl Shape {
             }
         };
         let experiment = Experiment { shape, duration_s };
-        experiment.start(period_s).map_err(|error| Error::Usage(error.to_string()))?;
+        experiment.start(period_s).map_err(|error| Error::Usage(crate::simulate::in_degrees(&error)))?;
         Ok(experiment)
     }
 }

@@ -3,15 +3,18 @@
 use serde::Serialize;
 
 use super::maps::{self, MapPlot};
-use super::{thin, windows};
+use super::whiteness::{self, Curve};
+use super::{equation, thin, windows};
 use crate::Error;
 use crate::conclude::Diagnosis;
-use crate::read::Recording;
-use crate::report::{Units, Verdict};
+use crate::read::{AxisKind, Recording};
+use crate::report::{FitAnswer, Units, Verdict};
 use crate::residual::Residual;
 
 /// Rows drawn of all recordings together: a page of some 2 MB that a browser zooms without delay.
 const ROWS: usize = 60_000;
+/// Standard normal deviate of a 95 % band.
+const TWO_SIDED_95: f64 = 1.959_964;
 /// Rows drawn of one recording, at least.
 const ROWS_OF_ONE: usize = 4000;
 
@@ -30,6 +33,13 @@ pub struct PlotData {
     pub(super) recordings: Vec<RecordingPlot>,
     /// Residual torque before and after over the channels of state.
     pub(super) maps: Vec<MapPlot>,
+    /// What is left of each sample, as noise.
+    pub(super) left: Vec<Curve>,
+    /// The recording whose residual stands at the top.
+    pub(super) first: usize,
+    /// The improved model, a line each.
+    #[serde(skip)]
+    pub(super) equation: Vec<String>,
     /// Length of the windows, s; of recordings that differ, the longest.
     #[serde(skip)]
     pub(super) window_s: f64,
@@ -52,6 +62,29 @@ pub(super) struct RecordingPlot {
     pub field_kv_mm: Option<Samples>,
     /// Spans of time named in the answer: start, end, s.
     pub spans: Vec<(f64, f64)>,
+    /// Residuals of noise alone are within this either way in 95 % of all rows, in the unit of the residuals.
+    pub noise: f64,
+    /// How much of the motion is predicted.
+    #[serde(skip)]
+    pub fit: Fit,
+}
+
+/// Share of what a steady speed leaves within the windows that a model predicts, root mean square, up to 1.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(super) struct Fit {
+    pub nominal: f64,
+    /// None where no physics was added.
+    pub improved: Option<f64>,
+    /// What noise leaves to a perfect model.
+    pub noise: f64,
+}
+
+impl Fit {
+    fn new(recording: &Recording, before: &Residual, after: Option<&Residual>, noise_rms: f64) -> Self {
+        let steady_rms = steady_rms(recording, before);
+        let fit = |rms: f64| if steady_rms > 0.0 { 1.0 - rms / steady_rms } else { f64::NAN };
+        Self { nominal: fit(before.rms()), improved: after.map(|after| fit(after.rms())), noise: fit(noise_rms) }
+    }
 }
 
 /// Values as whole numbers of a step: short in JSON, and no digits that no screen can show.
@@ -71,15 +104,21 @@ impl PlotData {
         let files: Vec<&Recording> = recordings.iter().chain(holdout).collect();
         // Where the controller is wrong, or nothing is missing, there is no improved model to show.
         let physics = !answer.effects.is_empty() && answer.verdict != Verdict::Controller;
+        let shown = if physics { &diagnosis.improved } else { &diagnosis.nominal };
         let before = windows::all(&diagnosis.nominal, &files)?;
         let after = if physics { Some(windows::all(&diagnosis.improved, &files)?) } else { None };
-        let units = Units::of(files.first().map_or(crate::read::AxisKind::Rotary, |recording| recording.axis));
+        let axis = files.first().map_or(AxisKind::Rotary, |recording| recording.axis);
+        let units = Units::of(axis);
         let (prefix, factor) = prefix(largest(&before));
+        let held = recordings.len();
+        let noise_rms = noise_rms(&answer.fit, after.as_deref().unwrap_or(&before), held);
         let most = (ROWS / files.len().max(1)).max(ROWS_OF_ONE);
         let plots = files.iter().enumerate().map(|(index, recording)| {
             let residuals = (&before[index], after.as_ref().map(|after| &after[index]));
             let mut plot = RecordingPlot::new(recording, residuals, factor, most);
-            plot.held_out = index >= recordings.len();
+            plot.held_out = index >= held;
+            plot.noise = TWO_SIDED_95 * factor * noise_rms[index];
+            plot.fit = Fit::new(recording, &before[index], residuals.1, noise_rms[index]);
             let spans = answer.locations.iter().filter(|location| location.recording == recording.name);
             plot.spans = spans.map(|location| (location.start_s, location.end_s)).collect();
             plot
@@ -91,6 +130,10 @@ impl PlotData {
             effort_unit: units.effort,
             recordings: plots.collect(),
             maps: maps::all(&files, &before, after.as_deref(), units),
+            left: whiteness::curves(&diagnosis.whitened, physics),
+            // What nothing was fitted to shows best what the model is worth.
+            first: if holdout.is_empty() { 0 } else { held },
+            equation: equation::lines(shown, answer, axis),
             window_s: before.iter().map(|residual| residual.horizon_s).fold(0.0, f64::max),
         })
     }
@@ -116,6 +159,8 @@ impl RecordingPlot {
             effort: Samples::new(&recording.effort_cmd, &kept, 1e-4),
             field_kv_mm: recording.field_cmd_kv_mm.as_ref().map(|field| Samples::new(field, &kept, 1e-4)),
             spans: Vec::new(),
+            noise: 0.0,
+            fit: Fit::default(),
         }
     }
 }
@@ -175,6 +220,45 @@ fn by_row(residual: &Residual, rows: usize, factor: f64) -> Vec<f64> {
     values
 }
 
+/// What noise alone leaves of each recording, root mean square, rad (m). The answer's windows start from the filter's estimate, those
+/// drawn from their best start, which leaves less; the share of it that is noise is the same.
+fn noise_rms(fit: &FitAnswer, shown: &[Residual], fitted: usize) -> Vec<f64> {
+    let of = |group: &[Residual], floor_rms: f64, left_rms: f64| {
+        let windows = group.iter().flat_map(|one| &one.windows).flat_map(|window| &window.residual);
+        let (squares, rows) = windows.fold((0.0, 0.0), |(squares, rows), left| (squares + left * left, rows + 1.0));
+        let share = if left_rms > 0.0 { (floor_rms / left_rms).min(1.0) } else { 1.0 };
+        vec![share * (squares / f64::max(rows, 1.0)).sqrt(); group.len()]
+    };
+    let (fitted, held) = shown.split_at(fitted.min(shown.len()));
+    let first = of(fitted, fit.noise_floor_rms, fit.after_rms);
+    first.into_iter().chain(of(held, fit.heldout_floor_rms, fit.heldout_after_rms)).collect()
+}
+
+/// What the best straight line through each window leaves of the recorded position, root mean square, rad (m).
+fn steady_rms(recording: &Recording, residual: &Residual) -> f64 {
+    let (mut squares, mut rows) = (0.0, 0_usize);
+    for window in &residual.windows {
+        let range = window.start..window.end;
+        let (t_s, position) = (&recording.t_s[range.clone()], &recording.position[range]);
+        let count = t_s.len() as f64;
+        let mean = |values: &[f64]| values.iter().sum::<f64>() / count;
+        let (t_mean, mean) = (mean(t_s), mean(position));
+        let of = |t: f64, p: f64| (t - t_mean, p - mean);
+        let (tt, tp) = t_s.iter().zip(position).fold((0.0, 0.0), |(tt, tp), (t, p)| {
+            let (t, p) = of(*t, *p);
+            (tt + t * t, tp + t * p)
+        });
+        let slope = if tt > 0.0 { tp / tt } else { 0.0 };
+        let left = t_s.iter().zip(position).map(|(t, p)| {
+            let (t, p) = of(*t, *p);
+            p - slope * t
+        });
+        squares += left.map(|left| left * left).sum::<f64>();
+        rows += t_s.len();
+    }
+    (squares / rows.max(1) as f64).sqrt()
+}
+
 fn largest(residuals: &[Residual]) -> f64 {
     let windows = residuals.iter().flat_map(|residual| &residual.windows);
     windows.flat_map(|window| &window.residual).fold(0.0, |most, value| most.max(value.abs()))
@@ -192,13 +276,39 @@ pub(super) fn prefix(largest: f64) -> (&'static str, f64) {
 
 #[cfg(test)]
 mod tests {
+    use plant::State;
+
     use super::*;
+    use crate::residual::Window;
 
     #[test]
     fn a_gap_breaks_the_curve_even_where_rows_are_thinned() {
         let drawn = with_gaps(&[0, 3, 4, 5], &[1, 4]);
         let breaks: Vec<_> = drawn.iter().map(|drawn| matches!(drawn, Drawn::BreakAfter(_))).collect();
         assert_eq!(breaks, [false, true, false, false, true, false]);
+    }
+
+    #[test]
+    fn noise_is_the_share_of_what_is_left_that_the_answer_says() {
+        let window = |left: f64| Window {
+            start: 0,
+            end: 2,
+            state: State::new(0.0, 0.0),
+            residual: vec![left, -left],
+            torque: 0.0,
+            speed: 0.0,
+        };
+        let residual = |left: f64| Residual { horizon_s: 0.05, windows: vec![window(left)] };
+        let fit = FitAnswer {
+            after_rms: 4.0,
+            noise_floor_rms: 2.0,
+            heldout_after_rms: 1.0,
+            heldout_floor_rms: 3.0,
+            ..FitAnswer::default()
+        };
+        let found = noise_rms(&fit, &[residual(6.0), residual(8.0)], 1);
+        assert_eq!(found, [3.0, 8.0], "never more than is left");
+        assert_eq!(noise_rms(&fit, &[], 1), [0.0; 0]);
     }
 
     #[test]

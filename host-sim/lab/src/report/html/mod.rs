@@ -1,17 +1,23 @@
 //! The answer as one page that opens from disk: no file beside it, no network.
 
 mod data;
+mod equation;
 mod escape;
 mod maps;
+mod markup;
+mod model;
 mod sections;
 #[cfg(test)]
 mod tests;
 mod thin;
+mod whiteness;
 mod windows;
 mod words;
 
 pub use data::PlotData;
 use maps::{Band, MapPlot};
+use markup::Section;
+pub(crate) use words::number;
 #[cfg(test)]
 pub(crate) use words::sentence;
 
@@ -36,31 +42,42 @@ pub fn page(machine: &str, answer: &Answer, plot: &PlotData, made: &Provenance) 
     let data = escape::json(plot).map_err(|error| Error::Usage(format!("the page's data: {error}")))?;
     let verdict = format!("{:?}", answer.verdict).to_lowercase();
     let names: Vec<&str> = plot.recordings.iter().map(|recording| recording.name.as_str()).collect();
-    let (machine, names) = (escape::text(machine), escape::text(&names.join(", ")));
-    let sentence = escape::text(&words::sentence(answer));
-    let body = [
-        sections::warnings(answer),
-        sections::effects(answer),
-        sections::left(answer),
-        sections::fit(answer),
-        sections::curves(plot),
-        sections::located(answer, plot),
-        sections::maps(plot),
-        sections::experiment(answer),
-        sections::rejected(answer),
-        sections::provenance(made),
-    ]
-    .concat();
+    let [machine, names, sentence] = [machine, &names.join(", "), &words::sentence(answer)].map(escape::text);
+    let sections = sections(answer, plot, made);
+    let (picture, contents) = (sections::picture(answer, plot), markup::contents(&sections));
+    let body: String = sections.iter().map(Section::markup).collect();
     Ok(format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta http-equiv=\"Content-Security-Policy\" \
          content=\"{POLICY}\">\n<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<meta \
          name=\"color-scheme\" content=\"light dark\">\n<title>{machine}: {verdict}</title>\n<style>\n{UPLOT_STYLE}\n{STYLE}\
-         </style>\n</head>\n<body>\n<main>\n<header><p class=\"quiet\">Diagnosis of {machine} from {names}</p>\n<h1><span \
-         class=\"verdict {verdict}\">{verdict}</span> {sentence}</h1></header>\n<noscript><p class=\"note\">The curves are \
-         drawn by a script, which is off here; every figure is in the tables.</p></noscript>\n{body}<footer \
+         </style>\n</head>\n<body>\n<a class=\"skip\" href=\"#answer\">Skip to the answer</a>\n<main>\n<header><p \
+         class=\"quiet\">Diagnosis of {machine} from {names}</p>\n<h1 id=\"answer\" tabindex=\"-1\"><span class=\"verdict \
+         {verdict}\">{verdict}</span> {sentence}</h1></header>\n<noscript><p class=\"note\">The curves are drawn by a script, \
+         which is off here; every figure is in the tables.</p></noscript>\n{picture}{contents}{body}<footer \
          class=\"quiet\">servo-lab {}; plots by uPlot 1.6.32, MIT licence, text in the source of this page.</footer>\n\
          </main>\n<script type=\"application/json\" id=\"plot\">{data}</script>\n<script>\n/*\n{UPLOT_LICENCE}*/\n{UPLOT}\n\
          </script>\n<script>\n{SCRIPT}</script>\n</body>\n</html>\n",
         env!("CARGO_PKG_VERSION")
     ))
+}
+
+/// The sections in their order; those that have nothing to say are left out.
+fn sections(answer: &Answer, plot: &PlotData, made: &Provenance) -> Vec<Section> {
+    let all = [
+        sections::warnings(answer),
+        sections::effects(answer),
+        sections::left(answer),
+        model::alternatives(answer),
+        Some(sections::fit(answer, plot)),
+        Some(sections::curves(plot)),
+        whiteness::section(&plot.left),
+        sections::located(answer, plot),
+        sections::maps(plot),
+        sections::experiment(answer),
+        model::equation(answer, &plot.equation),
+        model::correlation(answer),
+        sections::rejected(answer),
+        Some(sections::provenance(made)),
+    ];
+    all.into_iter().flatten().collect()
 }

@@ -20,18 +20,55 @@
     value: (_, value) => digits(value) }, more);
   const time = { label: "time (s)", value: (_, value) => value == null ? "–" : value.toFixed(4) };
 
+  // All pictures of one group show the same stretch.
+  const show = (entry, min, max) => drawn.filter(other => other === entry || (entry.group && other.group === entry.group))
+    .forEach(other => other.chart.setScale("x", { min, max }));
+
+  // A picture under the keyboard: arrows move, + and − zoom, 0 shows the whole.
+  function keys(entry, x) {
+    const ends = [x[0], x[x.length - 1]];
+    entry.place.addEventListener("keydown", event => {
+      if (event.target !== entry.place || event.ctrlKey || event.metaKey || event.altKey) return;
+      const { min, max } = entry.chart.scales.x, span = max - min, middle = (min + max) / 2;
+      const to = { ArrowLeft: [min - span / 5, max - span / 5], ArrowRight: [min + span / 5, max + span / 5],
+        "+": [middle - span / 4, middle + span / 4], "=": [middle - span / 4, middle + span / 4],
+        "-": [Math.max(ends[0], middle - span), Math.min(ends[1], middle + span)], 0: ends, Home: ends }[event.key];
+      if (!to || to[1] <= ends[0] || to[0] >= ends[1] || to[1] <= to[0]) return;
+      event.preventDefault();
+      show(entry, to[0], to[1]);
+    });
+  }
+
+  // Names in the legend hide their curves: by keyboard, too.
+  function legend(place) {
+    for (const name of place.querySelectorAll(".u-legend .u-series:not(.edge):not(:first-child) th")) {
+      name.tabIndex = 0;
+      name.setAttribute("role", "button");
+      name.setAttribute("aria-label", "Show or hide " + name.textContent);
+      name.addEventListener("keydown", event => {
+        if (event.key !== "Enter" && event.key !== " ") return;
+        event.preventDefault();
+        name.click();
+      });
+    }
+  }
+
   // Draws into a place, and again on demand with the zoom kept.
-  function draw(place, height, data, options, label) {
-    place.setAttribute("role", "img");
+  function draw(place, height, data, options, label, group) {
+    place.setAttribute("role", "group");
+    place.setAttribute("aria-roledescription", "chart");
     place.setAttribute("aria-label", label);
-    const entry = { place, chart: null, again(width) {
+    place.tabIndex = 0;
+    const entry = { place, group, chart: null, again(width) {
       const zoom = entry.chart && [entry.chart.scales.x.min, entry.chart.scales.x.max];
       if (entry.chart) entry.chart.destroy();
       entry.chart = new uPlot({ width: width || place.clientWidth || 640, height, ...options() }, data, place);
       if (zoom) entry.chart.setScale("x", { min: zoom[0], max: zoom[1] });
+      legend(place);
     } };
     entry.again();
     drawn.push(entry);
+    keys(entry, data[0]);
     new ResizeObserver(() => {
       const width = place.clientWidth;
       if (width && width !== entry.chart.width) entry.chart.setSize({ width, height });
@@ -54,31 +91,64 @@
     ctx.restore();
   };
 
+  // Shades where residuals are of which only noise is left.
+  const noisy = half => chart => {
+    const { ctx, bbox } = chart;
+    const [top, bottom] = [half, -half].map(value => chart.valToPos(value, "y", true));
+    ctx.save();
+    ctx.beginPath();
+    ctx.rect(bbox.left, bbox.top, bbox.width, bbox.height);
+    ctx.clip();
+    ctx.fillStyle = colour("noise");
+    ctx.fillRect(bbox.left, top, bbox.width, Math.max(bottom - top, 1));
+    ctx.restore();
+  };
+
+  const linked = index => ({ y: false, sync: { key: "recording" + index }, drag: { x: true, y: false } });
+  // Noise alone is always seen beside what is left.
+  const residualScale = half => ({ range: (_, min, max) => {
+    const [low, high] = [Math.min(min ?? 0, -half), Math.max(max ?? 0, half)], margin = 0.05 * (high - low) || 1;
+    return [low - margin, high + margin];
+  } });
+
+  function picture(place) {
+    const index = plot.first, r = plot.recordings[index];
+    const before = decoded(r.before), after = decoded(r.after);
+    draw(place, 260, [decoded(r.t_s), before, ...(after ? [after] : [])], () => ({
+      scales: { x: { time: false }, y: residualScale(r.noise) }, padding: [8, 8, 0, 0], cursor: linked(index),
+      hooks: { drawClear: [shaded(r.spans), noisy(r.noise)] },
+      series: [time, line("recorded − nominal", "nominal"), ...(after ? [line("recorded − improved", "improved")] : [])],
+      axes: [axis("time (s)"), valueAxis(`residual (${plot.residual_unit})`)],
+    }), `Residual of both models along ${r.name}; the figures are under How well it fits`, "recording" + index);
+  }
+
   function curves(index, place) {
     const r = plot.recordings[index];
     const t = decoded(r.t_s), recorded = decoded(r.recorded), before = decoded(r.before), after = decoded(r.after);
     const field = decoded(r.field_kv_mm);
-    const common = secondAxis => ({ scales: { x: { time: false } }, padding: [8, secondAxis || !field ? 8 : 92, 0, 0], hooks: { drawClear: [shaded(r.spans)] },
-      cursor: { y: false, sync: { key: "recording" + index }, drag: { x: true, y: false } } });
-    const add = (height, data, series, axes, label, secondAxis) => {
+    const common = (secondAxis, noise) => ({ scales: { x: { time: false }, ...(noise ? { y: residualScale(noise) } : {}) },
+      padding: [8, secondAxis || !field ? 8 : 92, 0, 0], cursor: linked(index),
+      hooks: { drawClear: noise ? [shaded(r.spans), noisy(noise)] : [shaded(r.spans)] } });
+    const add = (height, data, series, axes, label, { secondAxis, noise } = {}) => {
       const div = place.appendChild(document.createElement("div"));
-      draw(div, height, data, () => ({ ...common(secondAxis), series: series(), axes: axes() }), label + " of " + r.name +
-        " over time; the tables on this page hold the figures");
+      draw(div, height, data, () => ({ ...common(secondAxis, noise), series: series(), axes: axes() }), label + " of " + r.name +
+        " over time; the tables on this page hold the figures", "recording" + index);
     };
     const held = { paths: uPlot.paths.stepped({ align: 1 }) };
     add(240, [t, recorded, less(recorded, before, residualFactor), ...(after ? [less(recorded, after, residualFactor)] : [])],
       () => [time, line("recorded", "recorded", { width: 3 }), line("nominal", "nominal"),
-        ...(after ? [line("improved", "improved")] : [])],
+        ...(after ? [line("improved", "improved", { dash: [8, 5] })] : [])],
       () => [bare(), valueAxis(`position (${plot.position_unit})`)], "Position");
-    add(240, [t, before, ...(after ? [after] : [])],
-      () => [time, line("recorded − nominal", "nominal"), ...(after ? [line("recorded − improved", "improved")] : [])],
-      () => [bare(), valueAxis(`residual (${plot.residual_unit})`)], "Residual before and after");
+    const residual = (values, label, name) => add(170, [t, values], () => [time, line("recorded − " + label, name)],
+      () => [bare(), valueAxis(`residual (${plot.residual_unit})`)], `Residual of the ${label} model`, { noise: r.noise });
+    residual(before, "nominal", "nominal");
+    if (after) residual(after, "improved", "improved");
     // The field may chatter: the torque is drawn over it.
     add(180, [t, ...(field ? [field] : []), decoded(r.effort)],
       () => [time, ...(field ? [line("field command", "extra", { ...held, scale: "field", width: 0.75 })] : []),
         line(`${plot.effort_name} command`, "ink", { ...held, scale: "effort" })],
       () => [axis("time (s)"), valueAxis(`${plot.effort_name} (${plot.effort_unit})`, { scale: "effort" }),
-        ...(field ? [valueAxis("field (kV/mm)", { scale: "field", side: 1, grid: { show: false } })] : [])], "Commands", Boolean(field));
+        ...(field ? [valueAxis("field (kV/mm)", { scale: "field", side: 1, grid: { show: false } })] : [])], "Commands", { secondAxis: Boolean(field) });
   }
 
   function map(place) {
@@ -103,6 +173,21 @@
       `${m.title}: ${m.y_label} over ${m.x_label}, with 95 % bands; figures below`);
   }
 
+  function left(place) {
+    const m = plot.left[Number(place.dataset.index)];
+    const bound = { class: "edge", stroke: "transparent", points: { show: false }, label: "" };
+    const logarithmic = { distr: 3 };
+    draw(place, 240, [m.x, m.low, m.high, m.nominal, ...(m.improved ? [m.improved] : [])], () => ({
+      scales: { x: { time: false, ...(m.log ? logarithmic : {}) }, ...(m.log ? { y: logarithmic } : {}) },
+      cursor: { y: false, drag: { x: true, y: false } },
+      series: [{ label: m.x_label, value: (_, value) => digits(value) }, bound, bound, line("nominal", "nominal", { dash: [8, 5] }),
+        ...(m.improved ? [line("improved", "improved", { width: 1.75 })] : [])],
+      axes: [axis(m.x_label), valueAxis(m.y_label)],
+      bands: [{ series: [2, 1], fill: colour("noise") }],
+    }), `${m.title} of what is left, with the band of noise alone; the figures are in the table above`);
+  }
+
+  document.querySelectorAll(".picture").forEach(picture);
   for (const details of document.querySelectorAll("details.recording")) {
     const place = details.querySelector(".curves");
     const once = () => { if (details.open && !place.children.length) curves(Number(details.dataset.index), place); };
@@ -110,6 +195,7 @@
     once();
   }
   document.querySelectorAll(".map").forEach(map);
+  document.querySelectorAll(".left").forEach(left);
 
   for (const button of document.querySelectorAll("button.show")) {
     button.addEventListener("click", () => {

@@ -1,25 +1,26 @@
 //! The parts of the page that are text and tables.
 
-use super::data::prefix;
+use super::data::{Fit, prefix};
 use super::escape::text;
-use super::words::{estimate, interval, number, p_value, title};
+use super::markup::{Section, table};
+use super::words::{estimate, fit_percent, interval, number, p_value, title};
 use super::{MapPlot, PlotData};
-use crate::output::{Input, Provenance};
+use crate::output::{CLOCK, Input, Provenance};
 use crate::report::text::{fall, per_cent};
 use crate::report::{Answer, EffectAnswer};
 
 /// Every effect of the best model: what it is, its values, why it is believed or that it is not.
-pub(super) fn effects(answer: &Answer) -> String {
+pub(super) fn effects(answer: &Answer) -> Option<Section> {
     if answer.effects.is_empty() {
-        return String::new();
+        return None;
     }
     let each: String = answer.effects.iter().map(effect).collect();
     if answer.verdict.believes_its_effects() {
-        return section("effects", "What is missing", &each);
+        return Some(Section::new("effects", "What is missing", each));
     }
     let note = "<p class=\"note\">The best that the vocabulary does with these recordings. Something is left beside it that these \
                 values may only stand in for: do not put them into a model.</p>";
-    section("effects", "Fitted, but not believed", &format!("{note}{each}"))
+    Some(Section::new("effects", "Fitted, but not believed", format!("{note}{each}")))
 }
 
 fn effect(effect: &EffectAnswer) -> String {
@@ -57,8 +58,8 @@ fn effect(effect: &EffectAnswer) -> String {
     )
 }
 
-/// How large the residual is before and after, beside the noise.
-pub(super) fn fit(answer: &Answer) -> String {
+/// How large the residual is before and after, beside the noise, and how much of the motion is predicted.
+pub(super) fn fit(answer: &Answer, plot: &PlotData) -> Section {
     let fit = &answer.fit;
     let (prefix, factor) = prefix(fit.before_rms.max(fit.heldout_before_rms));
     let row = |name: &str, before: f64, after: f64, floor: f64| {
@@ -77,11 +78,48 @@ pub(super) fn fit(answer: &Answer) -> String {
         "<p class=\"quiet\">The improved model explains {} % of the excess over the noise.</p>",
         per_cent(fit.excess_explained)
     );
-    section("fit", "How well it fits", &format!("{table}{floor}"))
+    Section::new("fit", "How well it fits", format!("{table}{floor}{}", predicted(plot)))
+}
+
+/// The fit in per cent, recording by recording.
+fn predicted(plot: &PlotData) -> String {
+    let row = |recording: &super::data::RecordingPlot| {
+        let Fit { nominal, improved, noise } = recording.fit;
+        let role = if recording.held_out { "held out" } else { "fitted" };
+        let mut row = vec![text(&recording.name), role.to_owned(), fit_percent(nominal)];
+        row.extend(improved.map(fit_percent));
+        row.push(fit_percent(noise));
+        row
+    };
+    let mut head = vec!["recording", "data", "nominal"];
+    head.extend(plot.recordings.iter().any(|one| one.fit.improved.is_some()).then_some("improved"));
+    head.push("noise alone");
+    let caption = "Fit: share of what a steady speed leaves of the motion within a window that the model predicts, rms";
+    let table = table(caption, &head, plot.recordings.iter().map(row).collect());
+    format!(
+        "{table}<p class=\"quiet\">0 % is no better than a rotor that keeps its speed, 100 % leaves nothing; a model that does harm \
+         is below 0.</p>"
+    )
+}
+
+/// The picture at the top: what both models leave of one recording, and the answer's figures beside it.
+pub(super) fn picture(answer: &Answer, plot: &PlotData) -> String {
+    let Some(recording) = plot.recordings.get(plot.first) else { return String::new() };
+    let role = if recording.held_out { ", which nothing was fitted to" } else { "" };
+    let after = recording.fit.improved.map_or_else(String::new, |fit| {
+        let held = fall(answer.fit.heldout_before_rms, answer.fit.heldout_after_rms);
+        format!(", the improved one {}; held-out error {} % less", fit_percent(fit), per_cent(held))
+    });
+    format!(
+        "<figure id=\"picture\"><figcaption>What the models leave of {}{role}. The nominal model predicts {} of the \
+         motion{after}.</figcaption><div class=\"picture\"></div></figure>\n",
+        text(&recording.name),
+        fit_percent(recording.fit.nominal)
+    )
 }
 
 /// Places for the curves, which the script fills, and what each shows.
-pub(super) fn curves(plot: &PlotData) -> String {
+pub(super) fn curves(plot: &PlotData) -> Section {
     let each = plot.recordings.iter().enumerate().map(|(index, recording)| {
         let role = if recording.held_out { "held out" } else { "fitted" };
         let drawn = recording.t_s.at.len();
@@ -101,15 +139,17 @@ pub(super) fn curves(plot: &PlotData) -> String {
     let body = format!(
         "<p class=\"quiet\">Drag over a stretch to zoom, double-click for the whole; point for values; a name in the legend \
          hides its curve. The models run in windows of {:.0} ms, each from its best start, so a residual that repeats at \
-         that period is a steady error and no vibration; shaded spans are those of the table below.</p>{}",
+         that period is a steady error and no vibration. Shaded upright: the spans of the table below; shaded along the residuals, \
+         which have a scale each: where 95 % of them would be, were noise alone left. By keyboard, on a picture: arrows move, + and \
+         − zoom, 0 shows the whole.</p>{}",
         1e3 * plot.window_s,
         each.collect::<String>()
     );
-    section("curves", "Recorded, nominal and improved", &body)
+    Section::new("curves", "Recorded, nominal and improved", body)
 }
 
 /// Where the nominal model fails in time and state.
-pub(super) fn located(answer: &Answer, plot: &PlotData) -> String {
+pub(super) fn located(answer: &Answer, plot: &PlotData) -> Option<Section> {
     let mut body = String::new();
     let spans = answer.locations.iter().map(|location| {
         let index = plot.recordings.iter().position(|recording| recording.name == location.recording);
@@ -139,7 +179,7 @@ pub(super) fn located(answer: &Answer, plot: &PlotData) -> String {
         let head = ["channel", "range", "share of the excess"];
         body += &table("Ranges of state in which the nominal model fails most", &head, regions);
     }
-    if body.is_empty() { body } else { section("located", "Where the nominal model fails", &body) }
+    (!body.is_empty()).then(|| Section::new("located", "Where the nominal model fails", body))
 }
 
 fn share(share: f64) -> String {
@@ -148,10 +188,10 @@ fn share(share: f64) -> String {
 }
 
 /// Maps of the residual torque, each with its figures.
-pub(super) fn maps(plot: &PlotData) -> String {
+pub(super) fn maps(plot: &PlotData) -> Option<Section> {
     let each: String = plot.maps.iter().enumerate().map(|(index, map)| self::map(index, map)).collect();
     if each.is_empty() {
-        return String::new();
+        return None;
     }
     let body = format!(
         "<p class=\"quiet\">Mean residual {} ({}) of the windows of {:.0} ms, with its 95 % band: stretches of one second count \
@@ -161,7 +201,7 @@ pub(super) fn maps(plot: &PlotData) -> String {
         text(plot.effort_unit),
         1e3 * plot.window_s
     );
-    section("maps", &format!("Residual {} over state and time", plot.effort_name), &body)
+    Some(Section::new("maps", &format!("Residual {} over state and time", plot.effort_name), body))
 }
 
 fn map(index: usize, map: &MapPlot) -> String {
@@ -185,8 +225,8 @@ fn map(index: usize, map: &MapPlot) -> String {
 }
 
 /// What the best model leaves, and what predicts it.
-pub(super) fn left(answer: &Answer) -> String {
-    let Some(left) = &answer.remainder else { return String::new() };
+pub(super) fn left(answer: &Answer) -> Option<Section> {
+    let left = answer.remainder.as_ref()?;
     let unit = text(&left.unit);
     let mut body = format!(
         "<p>The noise has to stand in for {} {unit} rms, some of which the values above may have absorbed.</p>",
@@ -208,33 +248,33 @@ pub(super) fn left(answer: &Answer) -> String {
         let head = ["channel", "share of the squares", "rms", "p"];
         body += &table("Channels that predict part of it", &head, rows);
     }
-    section("left", "What is left", &body)
+    Some(Section::new("left", "What is left", body))
 }
 
 /// What was tried and not taken.
-pub(super) fn rejected(answer: &Answer) -> String {
+pub(super) fn rejected(answer: &Answer) -> Option<Section> {
     let rows =
         answer.rejected.iter().map(|effect| vec![format!("<code>{}</code>", text(&effect.id)), text(&effect.why)]);
     let rows: Vec<_> = rows.collect();
     if rows.is_empty() {
-        return String::new();
+        return None;
     }
-    let head = ["effect", "why not"];
-    section("rejected", "What was rejected", &table("Effects that were tried and not taken", &head, rows))
+    let body = table("Effects that were tried and not taken", &["effect", "why not"], rows);
+    Some(Section::new("rejected", "What was rejected", body))
 }
 
 /// What to record next.
-pub(super) fn experiment(answer: &Answer) -> String {
-    let Some(experiment) = &answer.experiment else { return String::new() };
+pub(super) fn experiment(answer: &Answer) -> Option<Section> {
+    let experiment = answer.experiment.as_ref()?;
     let apart: Vec<String> = experiment.separates.iter().map(|id| format!("<code>{}</code>", text(id))).collect();
     let apart = if apart.is_empty() { String::new() } else { format!("<p>Tells apart {}.</p>", apart.join(", ")) };
     let file = experiment.reference_csv.as_ref();
     let file = file.map_or_else(String::new, |file| format!("<p>Reference to play: <code>{}</code></p>", text(file)));
-    section("next", "What to record next", &format!("<p>{}</p>{apart}{file}", text(&experiment.text)))
+    Some(Section::new("next", "What to record next", format!("<p>{}</p>{apart}{file}", text(&experiment.text))))
 }
 
-/// What made the page.
-pub(super) fn provenance(made: &Provenance) -> String {
+/// What made the page, and how to make it again.
+pub(super) fn provenance(made: &Provenance) -> Section {
     let input = |input: &Input| {
         let sha256 = input.sha256.as_deref().unwrap_or("read once, not hashed");
         vec![format!("<code>{}</code>", text(&input.file)), format!("<code>{}</code>", text(sha256))]
@@ -242,40 +282,34 @@ pub(super) fn provenance(made: &Provenance) -> String {
     let files = table("Files that were read", &["file", "SHA-256"], made.inputs.iter().map(input).collect());
     let seed = made.seed.map_or_else(String::new, |seed| format!(", random draws from seed {seed}"));
     let body = format!(
-        "<p>{} on {}, built from commit <code>{}</code>{seed}.</p><p><code>{}</code></p>{files}",
+        "<p>{} on {}, built from commit <code>{}</code>{seed}.</p>{files}<h3>Again</h3><pre role=\"region\" tabindex=\"0\" \
+         aria-label=\"Commands that make this page again\">{}</pre>",
         text(&made.written_by),
         text(&made.date),
         text(&made.commit),
-        text(&made.command)
+        text(&again(made))
     );
-    section("provenance", "What made this page", &body)
+    Section::new("provenance", "How to reproduce this page", body)
+}
+
+/// The commands that make the page again, to the byte where the sources are those of the commit.
+fn again(made: &Provenance) -> String {
+    let (commit, changed) = made.commit.split_once(", ").map_or((made.commit.as_str(), false), |(one, _)| (one, true));
+    let changed = if changed { "   # the sources had changes beside it" } else { "" };
+    let hashed = made.inputs.iter().filter_map(|input| Some((input.sha256.as_ref()?, &input.file)));
+    let sums: String = hashed.map(|(sha256, file)| format!("{sha256}  {file}\n")).collect();
+    let sums = if sums.is_empty() { sums } else { format!("sha256sum -c <<'END'\n{sums}END\n") };
+    let seconds = humantime::parse_rfc3339(&made.date).ok();
+    let seconds = seconds.and_then(|date| date.duration_since(std::time::UNIX_EPOCH).ok());
+    let clock = seconds.map_or_else(String::new, |since| format!("{CLOCK}={} ", since.as_secs()));
+    format!("git checkout {commit}{changed}\ncargo install --path host-sim/lab\n{sums}{clock}{}\n", made.command)
 }
 
 /// What the reader should know before believing the answer.
-pub(super) fn warnings(answer: &Answer) -> String {
+pub(super) fn warnings(answer: &Answer) -> Option<Section> {
     if answer.warnings.is_empty() {
-        return String::new();
+        return None;
     }
     let each: String = answer.warnings.iter().map(|warning| format!("<li>{}</li>", text(warning))).collect();
-    section("warnings", "Before you believe this", &format!("<ul>{each}</ul>"))
-}
-
-fn section(id: &str, heading: &str, body: &str) -> String {
-    format!("<section aria-labelledby=\"{id}\"><h2 id=\"{id}\">{}</h2>{body}</section>\n", text(heading))
-}
-
-/// A table; captions and headings are text, cells are markup.
-fn table(caption: &str, head: &[&str], rows: Vec<Vec<String>>) -> String {
-    let head: String = head.iter().map(|cell| format!("<th scope=\"col\">{}</th>", text(cell))).collect();
-    let row = |cells: Vec<String>| {
-        let mut cells = cells.into_iter();
-        let first = cells.next().unwrap_or_default();
-        let rest: String = cells.map(|cell| format!("<td>{cell}</td>")).collect();
-        format!("<tr><th scope=\"row\">{first}</th>{rest}</tr>")
-    };
-    let rows: String = rows.into_iter().map(row).collect();
-    format!(
-        "<div class=\"table\"><table><caption>{}</caption><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table></div>",
-        text(caption)
-    )
+    Some(Section::new("warnings", "Before you believe this", format!("<ul>{each}</ul>")))
 }

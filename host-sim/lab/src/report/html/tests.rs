@@ -1,13 +1,14 @@
 //! The page holds what the answer says, as text, and loads nothing.
 #![allow(clippy::unwrap_used)]
 
-use super::data::{RecordingPlot, Samples};
+use super::data::{Fit, RecordingPlot, Samples};
 use super::maps::{Band, MapPlot};
+use super::whiteness::Curve;
 use super::*;
 use crate::output::{Input, Provenance};
 use crate::report::{
-    EffectAnswer, Evidence, Experiment, FitAnswer, Interval, Location, PredictorAnswer, Region, Rejected,
-    RemainderAnswer,
+    AlternativeAnswer, AlternativeEffect, AlternativeValue, CorrelationAnswer, EffectAnswer, Evidence, Experiment,
+    FitAnswer, Interval, Location, PredictorAnswer, Region, Rejected, RemainderAnswer,
 };
 use crate::report::{Verdict, html};
 
@@ -80,6 +81,17 @@ fn answer(verdict: Verdict) -> Answer {
                 effort_rms: Some(0.2),
             }],
         }),
+        alternatives: vec![AlternativeAnswer {
+            effects: vec![AlternativeEffect {
+                id: "viscous_friction".to_owned(),
+                parameters: vec![AlternativeValue { id: hostile.clone(), value: 0.123_456, unit: hostile.clone() }],
+                recording: Some(hostile.clone()),
+            }],
+        }],
+        correlation: Some(CorrelationAnswer {
+            values: vec![hostile.clone(), "b".to_owned()],
+            matrix: vec![vec![1.0, -0.95], vec![-0.95, 1.0]],
+        }),
         warnings: vec![hostile],
     }
 }
@@ -101,6 +113,8 @@ fn plot() -> PlotData {
         effort: samples(9.0, 1e-4),
         field_kv_mm: Some(samples(3.0, 1e-4)),
         spans: vec![(1.0, 1.5)],
+        noise: 20.0,
+        fit: Fit { nominal: 0.5, improved: Some(0.9987), noise: 0.999 },
     };
     let band = Band { mean: vec![0.2, 0.3], half: vec![Some(0.01), None] };
     let map = MapPlot {
@@ -118,6 +132,19 @@ fn plot() -> PlotData {
         effort_unit: "N m",
         recordings: vec![recording.clone(), recording.clone(), RecordingPlot { held_out: true, ..recording }],
         maps: vec![map],
+        left: vec![Curve {
+            title: "Autocorrelation",
+            x_label: "lag (ms)",
+            y_label: "correlation (1)",
+            log: false,
+            x: vec![1.0, 2.0],
+            low: vec![-0.1, -0.1],
+            high: vec![0.1, 0.1],
+            nominal: vec![0.9, 0.8],
+            improved: Some(vec![0.05, -0.2]),
+        }],
+        first: 2,
+        equation: vec![HOSTILE.to_owned()],
         window_s: 0.05,
     }
 }
@@ -146,6 +173,14 @@ fn the_page_says_the_answer() {
         "What was rejected",
         "What to record next",
         "Before you believe this",
+        "The nominal model predicts 50 % of the motion, the improved one 99.87 %",
+        "Alternative 1: viscous friction in place of coulomb friction",
+        "<td>0.1235</td><td>not in it</td>",
+        "<strong>-0.95</strong>",
+        "Equation of the improved model",
+        "Is what is left noise?",
+        "-0.20 at 2 ms",
+        "cargo install --path host-sim/lab",
         "1.00 to 1.50",
         "coulomb_nm",
     ] {
@@ -180,7 +215,8 @@ fn names_are_text_wherever_they_stand() {
 fn nothing_is_loaded() {
     let page = written(Verdict::Named);
     assert!(page.contains("default-src 'none'"));
-    for load in [" src=", " href=", "url(", "@import", "fetch(", "XMLHttpRequest", "import("] {
+    assert_eq!(page.matches(" href=").count(), page.matches(" href=\"#").count(), "links within the page only");
+    for load in [" src=", "url(", "@import", "fetch(", "XMLHttpRequest", "import("] {
         assert!(!page.contains(load), "{load}");
     }
     // The address in the notice of uPlot is the only one, in a comment.

@@ -75,7 +75,7 @@ pub(super) fn interval(of: &Interval) -> String {
 }
 
 /// A number with two digits of `width`; four of its own where that is zero or no number.
-pub(super) fn number(value: f64, width: f64) -> String {
+pub(crate) fn number(value: f64, width: f64) -> String {
     if !value.is_finite() {
         return "unbounded".to_owned();
     }
@@ -87,6 +87,26 @@ pub(super) fn number(value: f64, width: f64) -> String {
     }
     let decimals = if resolution > 0.0 { (-order(resolution)).clamp(0.0, 9.0) as usize } else { 0 };
     format!("{value:.decimals$}")
+}
+
+/// A number without an interval: up to four digits, and no zeros behind the last.
+pub(super) fn short(value: f64) -> String {
+    let text = number(value, 0.0);
+    if !text.contains('.') || text.contains('e') {
+        return text;
+    }
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
+/// A fit, a share up to 1, in per cent: near the whole with the digits that what is missing of it has.
+pub(super) fn fit_percent(share: f64) -> String {
+    if !share.is_finite() {
+        return "not known".to_owned();
+    }
+    let missing = 100.0 * (1.0 - share);
+    // Two digits of what is missing, four decimals at most.
+    let decimals = if missing > 0.0 { (1.0 - missing.log10().floor()).clamp(0.0, 4.0) as usize } else { 1 };
+    format!("{:.decimals$} %", 100.0 * share)
 }
 
 /// A p value; what cannot be told from zero is said to be small.
@@ -106,6 +126,21 @@ mod tests {
         assert_eq!(number(0.0, 0.0), "0");
         assert_eq!(number(2.5e-7, 4e-9), "2.500e-7");
         assert_eq!(number(f64::INFINITY, 1.0), "unbounded");
+    }
+
+    #[test]
+    fn a_fit_has_the_digits_of_what_it_misses() {
+        for (share, text) in [
+            (0.5, "50 %"),
+            (0.9987, "99.87 %"),
+            (0.999_987, "99.9987 %"),
+            (1.0, "100.0 %"),
+            (-1.5, "-150 %"),
+            (f64::NAN, "not known"),
+        ] {
+            assert_eq!(fit_percent(share), text, "{share}");
+        }
+        assert_eq!((short(0.005), short(30.0), short(1.2e-7)), ("0.005".into(), "30".into(), "1.200e-7".into()));
     }
 
     #[test]
