@@ -2,6 +2,7 @@
 
 mod answer;
 mod controller;
+mod lost;
 mod stretches;
 
 use diagnosis::effects::{Effect, VOCABULARY};
@@ -9,8 +10,10 @@ use diagnosis::physics::Physics;
 use diagnosis::pipeline::{Conclusion, diagnose_as_read};
 use diagnosis::problem::Problem;
 use diagnosis::recorded::Recorded;
+use diagnosis::verdict::Verdict as Judged;
 
 use self::controller::mismatch;
+use self::lost::Lost;
 use self::stretches::stretches;
 use crate::Error;
 use crate::progress::Stages;
@@ -75,6 +78,8 @@ pub fn diagnose(request: &Request<'_>) -> Result<Diagnosis, Error> {
     let mut stages = Stages::begin();
     let controller = request.machine.controller.as_ref().and_then(|law| mismatch(law, &files, &mut notes));
     stages.done("controller");
+    let lost = Lost::of(request.machine, &files);
+    notes.extend(lost.as_ref().map(Lost::note));
     let names: Vec<&str> = files.iter().map(|file| file.name.as_str()).collect();
     let machine = with_steps_of(request.machine, &files, &mut notes);
     let problem = problem(&machine, request, &files, &mut notes);
@@ -84,12 +89,17 @@ pub fn diagnose(request: &Request<'_>) -> Result<Diagnosis, Error> {
     })?;
     stages.done("search, refit and confidence set");
     let mut answer = answer::answer(&problem, &conclusion, machine.axis.kind);
+    if let Some(lost) = lost {
+        lost.doubt(&mut answer);
+    }
     if let Some(effect) = controller {
         (answer.verdict, answer.effects) = (Verdict::Controller, vec![effect]);
     }
     answer.warnings = notes;
     stages.done("answer");
-    let proposal = if answer.verdict == Verdict::Ambiguous { proposal(&machine, request, &conclusion) } else { None };
+    // What another log of the same motion would show needs no other motion.
+    let proposal =
+        if conclusion.verdict == Judged::Ambiguous { proposal(&machine, request, &conclusion) } else { None };
     answer.experiment = proposal.as_ref().map(Proposal::experiment);
     answer.warnings.extend(answer::warnings(&problem, &conclusion, answer.experiment.is_some()));
     stages.done("propose");
@@ -130,5 +140,6 @@ fn problem(machine: &Machine, request: &Request<'_>, files: &[&Recording], notes
     let nominal = Physics::nominal(machine, &names);
     let recorded = read.iter().map(Recorded::new).collect();
     let linear = machine.axis.kind == AxisKind::Linear;
-    Problem::new(nominal, recorded, request.recordings.len(), machine.axis.resolution, linear)
+    let problem = Problem::new(nominal, recorded, request.recordings.len(), machine.axis.resolution, linear);
+    problem.sampled(machine.axis.sample_period_s)
 }
