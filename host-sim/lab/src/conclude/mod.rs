@@ -2,6 +2,7 @@
 
 mod answer;
 mod controller;
+mod files;
 mod lost;
 mod stretches;
 
@@ -13,6 +14,7 @@ use diagnosis::recorded::Recorded;
 use diagnosis::verdict::Verdict as Judged;
 
 use self::controller::mismatch;
+pub use self::files::{OfFiles, of_files};
 use self::lost::Lost;
 use self::stretches::stretches;
 use crate::Error;

@@ -14,6 +14,7 @@ pub use data::PlotData;
 use maps::{Band, MapPlot};
 #[cfg(test)]
 pub(crate) use words::sentence;
+pub(crate) use words::{estimate, interval};
 
 use crate::Error;
 use crate::output::Provenance;
