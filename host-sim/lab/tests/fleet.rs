@@ -77,7 +77,7 @@ fn a_fleet_is_diagnosed_row_by_row_and_goes_on_where_it_was_stopped() {
         page.contains("Drift over dates") && page.contains("axis/missing.csv") && page.contains("Written by servo-lab")
     );
 
-    // An answer that only the table can have come from: done rows are taken from it and not done again.
+    // The second run goes on with the table of the first.
     let answers = rows["answer"].clone();
     let again = run("good.csv");
     assert_eq!(again.status.code(), Some(0), "{}", text(&again.stderr));

@@ -65,3 +65,34 @@ fn answer(task: &Task) -> Result<Answer, Error> {
     let [recordings, holdout] = task.recording_files();
     Ok(conclude::of_files(&task.machine_file(), &recordings, &holdout, &VOCABULARY)?.diagnosis.answer)
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::report::Verdict;
+
+    /// The files are no recordings: only an answer that is there already can be the answer.
+    #[test]
+    fn what_is_done_is_not_done_again_until_a_file_changes() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        for name in ["m.toml", "a.csv", "b.csv"] {
+            std::fs::write(at(name), "nothing").unwrap();
+        }
+        std::fs::write(at("list.csv"), "machine,recordings,holdout\nm.toml,a.csv,b.csv\nm.toml,b.csv,\n").unwrap();
+        let tasks = manifest::read(&at("list.csv")).unwrap();
+        let answer = Answer { verdict: Verdict::Named, ..Answer::default() };
+        let earlier = HashMap::from([(tasks[0].key().unwrap(), answer.clone())]);
+        let mut saved = 0;
+        let rows = run(&tasks, &earlier, |rows| {
+            saved += rows.len();
+            Ok(())
+        });
+        let rows = rows.unwrap();
+        assert_eq!(rows[0].outcome, Ok(answer));
+        assert!(rows[1].outcome.is_err() && saved == 2, "saved once, with both rows: {saved}");
+        std::fs::write(at("b.csv"), "another").unwrap();
+        assert!(run(&tasks, &earlier, |_| Ok(())).unwrap()[0].outcome.is_err());
+    }
+}
