@@ -26,7 +26,7 @@ pub struct Task {
     pub holdout: String,
     /// When it was recorded, ISO 8601; empty where that is not told.
     pub date: String,
-    folder: PathBuf,
+    pub(super) folder: PathBuf,
 }
 
 /// The diagnoses of a manifest, CSV or Parquet; files in it are relative to its folder.

@@ -136,7 +136,11 @@ fn effects(rows: &[Row]) -> Table {
 }
 
 /// A parameter of an effect of a machine. Where an effect repeats, its entries are told apart by nothing that stays, and have no drift.
-type Series<'a> = BTreeMap<(&'a str, &'a str, &'a str), Vec<(&'a str, &'a Interval)>>;
+type Series<'a> = BTreeMap<Parameter<'a>, Vec<Dated<'a>>>;
+/// Machine, effect, parameter.
+type Parameter<'a> = (&'a str, &'a str, &'a str);
+/// A value with its date.
+type Dated<'a> = (&'a str, &'a Interval);
 
 fn drift(rows: &[Row]) -> Table {
     let mut series: Series<'_> = BTreeMap::new();
@@ -151,7 +155,7 @@ fn drift(rows: &[Row]) -> Table {
         }
     }
     let head = vec!["machine", "effect", "parameter", "values", "first", "95 %", "last", "95 %", "drift"];
-    let line = |((machine, effect, parameter), values): (&(&str, &str, &str), &Vec<(&str, &Interval)>)| {
+    let line = |((machine, effect, parameter), values): (&Parameter<'_>, &Vec<Dated<'_>>)| {
         let mut values = values.clone();
         values.sort_by_key(|(date, _)| *date);
         let ((first_date, first), (last_date, last)) = (values.first()?, values.last()?);
