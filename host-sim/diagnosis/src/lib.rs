@@ -24,3 +24,4 @@ pub mod search;
 pub mod separation;
 pub mod verdict;
 pub mod windows;
+pub mod work;

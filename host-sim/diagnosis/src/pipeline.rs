@@ -9,6 +9,7 @@ use crate::problem::Problem;
 use crate::search::{Found, Rejected, SMALLEST_GAIN, first_noise, search};
 use crate::verdict::{Standing, Verdict, verdict};
 use crate::windows::window_s;
+use crate::work::WORK;
 
 /// One effect of the answer.
 #[derive(Debug, Clone)]
@@ -96,9 +97,9 @@ fn equivalent(
 pub fn diagnose_as_read(problem: Problem, vocabulary: &[&'static Effect]) -> Option<(Problem, Conclusion)> {
     let measured = diagnose(&problem, vocabulary)?;
     let Some(commands) = problem.as_commands() else { return Some((problem, measured)) };
-    commands.spend(problem.work() as usize);
+    let commands = commands.allowing(WORK.saturating_sub(problem.work()));
     let believed = diagnose(&commands, vocabulary).filter(|commanded| {
-        let explains = commanded.remainder.is_none() && measured.effects.is_empty();
+        let explains = !commanded.cut_short && commanded.remainder.is_none() && measured.effects.is_empty();
         match prediction(&commands, &commanded.best, &measured.best) {
             Prediction::Better => true,
             Prediction::Alike => explains,
@@ -136,19 +137,32 @@ fn prediction(commands: &Problem, own: &Step, other: &Step) -> Prediction {
     }
 }
 
-/// Diagnoses a problem as it is read; none where no pass over the recordings is finite.
+/// Share of the work that is kept for the estimate of the values, one in this many ...
+const OF_ESTIMATE: u64 = 3;
+/// ... whose passes are about so many, of three states: 250 for the nominal machine and one of five values beside it.
+const PASSES_OF_ESTIMATE: u64 = 250;
+
+/// Diagnoses a problem as it is read, within [`WORK`] or what the problem allows where that is less; none where no pass over the
+/// recordings is finite.
 pub fn diagnose(problem: &Problem, vocabulary: &[&'static Effect]) -> Option<Conclusion> {
-    let found = search(problem, vocabulary)?;
+    problem.within(problem.left().min(WORK), |own| concluded(own, vocabulary))
+}
+
+fn concluded(problem: &Problem, vocabulary: &[&'static Effect]) -> Option<Conclusion> {
+    let of_estimate = problem.left() / OF_ESTIMATE;
+    let found = problem.within(problem.left() - of_estimate, |own| search(own, vocabulary))?;
     // A motion that is given is not integrated.
     let integrated = problem.motions.is_empty() && !found.best.assessed.refitted.hypothesis.entries.is_empty();
-    let finer = integrated.then(|| problem.finer());
+    let finer = integrated.then(|| problem.finer_within(of_estimate, PASSES_OF_ESTIMATE));
     let found = match &finer {
         Some(finer) => estimated(finer, found),
         None => found,
     };
     let left = remainder(finer.as_ref().unwrap_or(problem), &found);
     let (effects, in_the_set) = named(problem, &found);
-    problem.spend(finer.map_or(0, |finer| finer.work() as usize));
+    if let Some(finer) = finer {
+        problem.work.add(&finer.work);
+    }
     let standings: Vec<Standing> = effects.iter().map(|effect| effect.standing).collect();
     let verdict = verdict(&standings, left.is_some());
     let rejected = found.rejected;
@@ -159,7 +173,7 @@ pub fn diagnose(problem: &Problem, vocabulary: &[&'static Effect]) -> Option<Con
         nominal: found.nominal,
         best: found.best,
         in_the_set,
-        cut_short: problem.is_spent(),
+        cut_short: problem.was_cut(),
         rejected,
     })
 }
@@ -176,6 +190,9 @@ fn estimated(finer: &Problem, mut found: Found) -> Found {
         let Some(at) = (0..hypothesis.entries.len()).find(|&at| !best.away_from_neutral(finer, at)) else {
             return found;
         };
+        if finer.is_spent() {
+            return found;
+        }
         let Some(without) = found.best.without(finer, at) else { return found };
         let rise = best.refitted.log_likelihood - without.assessed.refitted.log_likelihood;
         let gain = Some(found.best.windows.gain_over(&without.windows, finer));

@@ -1,7 +1,7 @@
 //! The recordings, prepared once: grids of substeps, blocks, what the motion excites.
 
 use std::ops::Range;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::Arc;
 
 use crate::effects::Excitation;
 use crate::likelihood::filter::Prepared;
@@ -9,38 +9,42 @@ use crate::likelihood::inverse::Motion;
 use crate::likelihood::{Acting, Grid, Lately, Rounding};
 use crate::physics::Physics;
 use crate::recorded::Recorded;
+use crate::work::Work;
 
 /// Recordings to fit and to hold out, with the nominal machine.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Problem {
     /// The machine without anything missing.
     pub nominal: Physics,
     /// Those to fit, then those held out.
-    pub recordings: Vec<Recorded>,
+    pub recordings: Arc<[Recorded]>,
     /// Number of those to fit.
     pub fitted: usize,
     /// Substeps of each recording.
-    pub grids: Vec<Grid>,
+    pub grids: Arc<[Grid]>,
     /// What acted in each recording under the machines looked at lately.
-    pub(crate) lately: Vec<Lately>,
+    pub(crate) lately: Arc<[Lately]>,
     /// The motion of each recording, given, where the torque column may be a measurement; else empty, and the torque is a command.
-    pub motions: Vec<Motion>,
-    /// How much earlier than a command held to the next row the torque column acts in each recording, s: a measurement is a
-    /// sample, and stands for half a row to either side.
-    pub(crate) early_s: Vec<f64>,
+    pub motions: Arc<[Motion]>,
+    /// How much earlier than a command held to the next row the torque column acts in each recording, s: a sample of a measurement or
+    /// of a faster loop stands for half a row to either side.
+    pub(crate) early_s: Arc<[f64]>,
     /// Row ranges of the blocks of each recording.
-    pub blocks: Vec<Vec<Range<usize>>>,
+    pub blocks: Arc<[Vec<Range<usize>>]>,
     /// What the motion excites.
     pub excitation: Excitation,
     /// The sensor's step, rad (m); 0 for a continuous one.
     pub step: f64,
     /// The sensor's smallest noise beside its rounding, rad (m).
     pub least_sensor_sd: f64,
-    /// Substeps that all passes took so far.
-    pub(crate) spent: AtomicU64,
+    /// What all passes may cost, and what they have.
+    pub(crate) work: Work,
     /// Rows of each recording on which its noise is estimated: two numbers need no more.
-    pub excerpts: Vec<Vec<Range<usize>>>,
+    pub excerpts: Arc<[Vec<Range<usize>>]>,
 }
+
+/// Of each substep of a search this many are made where values are estimated.
+const FINER: usize = 4;
 
 /// Rows of a recording that the noise is estimated on: two numbers to some percent ...
 const EXCERPT_ROWS: usize = 4000;
@@ -66,26 +70,30 @@ impl Problem {
             Rounding::white_sd(resolution).max(1e-9 * excitation.travel).max(f64::MIN_POSITIVE.sqrt());
         Self {
             nominal,
-            recordings,
+            recordings: recordings.into(),
             fitted,
-            grids,
+            grids: grids.into(),
             lately,
-            early_s,
+            early_s: early_s.into(),
             blocks,
             excitation,
             least_sensor_sd,
             excerpts,
-            motions,
+            motions: motions.into(),
             step: resolution,
-            spent: AtomicU64::new(0),
+            // Only a diagnosis has a bound: what ranks a few hypotheses has an end of its own.
+            work: Work::of(u64::MAX),
         }
     }
 }
 
+/// Rows this many ticks of a loop apart have lost commands between them: two, less what a clock jitters.
+pub const SLOWER: f64 = 1.9;
+
 impl Problem {
     /// The same with finer substeps, for values that are to be right to their intervals.
     pub fn finer(&self) -> Self {
-        Self { grids: self.recordings.iter().map(Grid::finer).collect(), ..self.copied() }
+        self.in_substeps(FINER, u64::MAX)
     }
 
     /// The same with the torque column read as commands, held from row to row, and the motion as their response; none where it is
@@ -93,47 +101,86 @@ impl Problem {
     pub fn as_commands(&self) -> Option<Self> {
         let held = self.early_s.iter().all(|early_s| *early_s == 0.0);
         let excitation = Excitation { measured: false, ..self.excitation.clone() };
-        (held && !self.motions.is_empty()).then(|| Self { motions: Vec::new(), excitation, ..self.copied() })
+        (held && !self.motions.is_empty()).then(|| Self {
+            motions: Arc::new([]),
+            excitation,
+            work: Work::of(u64::MAX),
+            ..self.clone()
+        })
     }
 
-    /// The same, with nothing computed or spent.
-    fn copied(&self) -> Self {
+    /// The same with substeps as fine as so many passes over them may be for that much work.
+    pub(crate) fn finer_within(&self, allowed: u64, passes: u64) -> Self {
+        let fits = |finer: &usize| {
+            let substeps: usize = self.recordings.iter().map(|one| Grid::finer(one, *finer).substeps()).sum();
+            passes * substeps as u64 <= allowed
+        };
+        self.in_substeps((2..=FINER).rev().find(fits).unwrap_or(1), allowed)
+    }
+
+    fn in_substeps(&self, finer: usize, allowed: u64) -> Self {
         Self {
-            nominal: self.nominal.clone(),
-            recordings: self.recordings.clone(),
-            fitted: self.fitted,
-            grids: self.grids.clone(),
+            grids: self.recordings.iter().map(|one| Grid::finer(one, finer)).collect(),
             lately: self.recordings.iter().map(|_| Lately::default()).collect(),
-            motions: self.motions.clone(),
-            early_s: self.early_s.clone(),
-            blocks: self.blocks.clone(),
-            excitation: self.excitation.clone(),
-            step: self.step,
-            least_sensor_sd: self.least_sensor_sd,
-            spent: AtomicU64::new(0),
-            excerpts: self.excerpts.clone(),
+            work: Work::of(allowed),
+            ..self.clone()
         }
     }
-}
 
-/// Substeps of three states of one diagnosis: 50 s on one core at the eight million a second that were measured on 2 kHz logs (EPYC,
-/// with all that surrounds the passes), so that any search ends within a minute, after the same work on any machine.
-const WORK: u64 = 400_000_000;
+    /// The same for commands that a loop gave every `tick_s` seconds. Of rows further apart each has one of several, which stands for
+    /// those around it, and not for those up to the next row: it acts half the difference earlier. Where the torque column may be a
+    /// measurement that is decided already.
+    pub fn sampled(mut self, tick_s: f64) -> Self {
+        if self.motions.is_empty() && tick_s > 0.0 {
+            let early =
+                |grid: &Grid| if grid.period_s >= SLOWER * tick_s { 0.5 * (grid.period_s - tick_s) } else { 0.0 };
+            self.early_s = self.grids.iter().map(early).collect();
+        }
+        self
+    }
 
-impl Problem {
+    /// The same with another bound on the work, in substeps of three states.
+    pub fn allowing(&self, work: u64) -> Self {
+        Self { work: Work::of(work), ..self.clone() }
+    }
+
+    /// Does a part of the work on an account of its own, so that parts that are done at the same time end after the same work
+    /// however they are spread over cores.
+    pub(crate) fn within<T>(&self, allowed: u64, part: impl FnOnce(&Self) -> T) -> T {
+        let own = self.allowing(allowed);
+        let found = part(&own);
+        self.work.add(&own.work);
+        found
+    }
+
     /// Counts work done, in substeps of three states.
     pub(crate) fn spend(&self, substeps: usize) {
-        self.spent.fetch_add(substeps as u64, Ordering::Relaxed);
+        self.work.spend(substeps as u64);
     }
 
-    /// Whether no new step of the search may be begun.
-    pub fn is_spent(&self) -> bool {
-        self.spent.load(Ordering::Relaxed) > WORK
+    /// Whether nothing more may be begun, which is noted: to be asked where something would be, and not from several parts that are
+    /// done at the same time.
+    pub(crate) fn is_spent(&self) -> bool {
+        let spent = self.work.left() == 0;
+        if spent {
+            self.work.cut();
+        }
+        spent
     }
 
-    /// Substeps that all passes took so far.
+    /// Work that is left, in substeps of three states.
+    pub(crate) fn left(&self) -> u64 {
+        self.work.left()
+    }
+
+    /// Whether something was left out because the work allowed was done.
+    pub fn was_cut(&self) -> bool {
+        self.work.was_cut()
+    }
+
+    /// Work done so far, in substeps of three states.
     pub fn work(&self) -> u64 {
-        self.spent.load(Ordering::Relaxed)
+        self.work.spent()
     }
 
     /// Recordings on which a fit is judged: those held out, else those to fit.

@@ -119,25 +119,28 @@ fn first(problem: &Problem, nominal: &Step, vocabulary: &[&'static Effect]) -> O
     Step::new(problem, refit(problem, &Hypothesis { entries }, &nominal.assessed.refitted.noise, 10)?)
 }
 
-/// Searches from the nominal machine, and from the one with what others would stand in for; the likelier end is gone on from.
+/// Searches within the work that is left, from the nominal machine and from the one with what others would stand in for; the likelier
+/// end is gone on from.
 pub fn search(problem: &Problem, vocabulary: &[&'static Effect]) -> Option<Found> {
     let nominal = Step::new(problem, nominal(problem)?)?;
     let all: Vec<&'static Effect> = vocabulary.iter().copied().chain(nuisances(vocabulary)).collect();
     let around_nominal = Around::new(&nominal, &all);
-    let mut ends = vec![forward(problem, vocabulary, nominal.clone(), &around_nominal)];
+    let allowed = problem.left() / 5 * 2;
+    let mut ends = vec![problem.within(allowed, |own| forward(own, vocabulary, nominal.clone(), &around_nominal))];
     if let Some(first) = first(problem, &nominal, vocabulary) {
         let around_first = Around::new(&first, vocabulary);
-        ends.push(forward(problem, vocabulary, first, &around_first));
+        ends.push(problem.within(allowed, |own| forward(own, vocabulary, first, &around_first)));
     }
     let mut end = ends.into_iter().max_by(|a, b| priced(problem, &a.best).total_cmp(&priced(problem, &b.best)))?;
     // A memory of the noise is looked for when nothing is missing that it would stand in for.
     let Some(coloured) = coloured(problem, &end.best) else {
-        return Some(Neighbourhood::new(problem, vocabulary, &nominal, Some(&around_nominal), end).found());
+        let looked = |own: &Problem| Neighbourhood::new(own, vocabulary, &nominal, Some(&around_nominal), end).found();
+        return Some(problem.within(problem.left(), looked));
     };
     let noise = &coloured.assessed.refitted.noise;
     let nominal = Step::new(problem, refit(problem, &Hypothesis::default(), noise, COLOURED_STEPS)?)?;
     end.best = coloured;
-    Some(Neighbourhood::new(problem, vocabulary, &nominal, None, end).found())
+    Some(problem.within(problem.left(), |own| Neighbourhood::new(own, vocabulary, &nominal, None, end).found()))
 }
 
 /// Steps of a refit under noise of another kind.
@@ -177,7 +180,8 @@ fn forward(problem: &Problem, vocabulary: &[&'static Effect], from: Step, around
     let mut rejected = Vec::new();
     while best.assessed.refitted.hypothesis.entries.len() < MOST_EFFECTS + began && !problem.is_spent() {
         let found = moved.as_ref().unwrap_or(around).extended(problem, among);
-        let taken = found.iter().find_map(|(one, odds)| Some((worth(problem, &best, one, *odds)?, *odds)));
+        let begun = found.iter().take_while(|_| !problem.is_spent());
+        let taken = begun.into_iter().find_map(|(one, odds)| Some((worth(problem, &best, one, *odds)?, *odds)));
         match taken {
             Some(((next, taken), odds)) => {
                 tried.push(Odds { taken, ..odds });
@@ -200,7 +204,7 @@ fn not_taken(problem: &Problem, from: &Step, to: Refitted, odds: Odds) -> Option
     let rise = to.log_likelihood - from.assessed.refitted.log_likelihood;
     let worth_it = rise > problem.price() * (freedom(&to) - freedom(&from.assessed.refitted));
     let entry = to.hypothesis.entries.len() - 1;
-    let next = if worth_it { Step::new(problem, to) } else { None };
+    let next = if worth_it && !problem.is_spent() { Step::new(problem, to) } else { None };
     let gain = next.as_ref().map(|next| self::gain(problem, next, from, entry));
     // What brings the motion no nearer is no part of what is missing.
     let certain = gain.is_some_and(|gain| gain > 0.0)

@@ -9,6 +9,7 @@ pub mod commission;
 pub mod conclude;
 pub mod delays;
 pub mod first_model;
+pub mod fleet;
 pub mod guide;
 pub mod identify;
 pub mod interrupt;

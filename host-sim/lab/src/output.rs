@@ -9,7 +9,7 @@ mod provenance;
 use std::io::{self, Write};
 use std::path::PathBuf;
 
-pub use provenance::{CLOCK, Input, Provenance};
+pub use provenance::{CLOCK, Input, Provenance, sha256};
 pub use recording::output::{Files, Growing, Output, Outputs, folder, mark, write, write_text};
 
 use crate::Error;

@@ -86,6 +86,38 @@ fn an_axis_that_never_moved_is_no_panic() {
     assert!(matches!(code, Some(0 | 2)), "{code:?}: {errors}");
 }
 
+/// A loop of 2 kHz whose log holds every tenth row: friction and delays that no machine had were named for the commands between.
+#[test]
+#[cfg_attr(debug_assertions, ignore = "a minute without optimisation; the tests in release run it")]
+fn commands_that_the_log_does_not_hold_are_no_effect_of_the_machine() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("m.toml"), SERVO).unwrap();
+    for (scenario, verdicts) in [("steps", ["ambiguous", "unknown"]), ("multisine", ["ambiguous", "none"])] {
+        let simulated = ["simulate", scenario, "--machine", "m.toml", "--duration-s", "6", "--torque-noise-nm", "0.02"];
+        let made = run(folder.path(), &[&simulated[..], &["--force", "-o", "run.csv"]].concat());
+        assert_eq!(made.0, Some(0), "{}", made.2);
+        let text = fs::read_to_string(folder.path().join("run.csv")).unwrap();
+        // Without the counter of rows, which would tell of a gap after each.
+        let row = |line: &str| line.split(',').take(4).collect::<Vec<_>>().join(",");
+        let (header, rows) = text.split_once('\n').unwrap();
+        let thin: Vec<String> = std::iter::once(header).chain(rows.lines().step_by(10)).map(row).collect();
+        fs::write(folder.path().join("thin.csv"), thin.join("\n") + "\n").unwrap();
+        let (code, out, errors) = run(folder.path(), &["diagnose", "--machine", "m.toml", "thin.csv", "--json", "-"]);
+        assert_eq!(code, Some(0), "{errors}");
+        let answer: serde_json::Value = serde_json::from_str(&out).unwrap();
+        let verdict = answer["verdict"].as_str().unwrap();
+        assert!(verdicts.contains(&verdict), "{scenario}: {out}");
+        let warned =
+            answer["warnings"].as_array().unwrap().iter().any(|one| {
+                one.as_str().unwrap().contains("rows are 0.005 s apart and the loop has a tick every 0.0005 s")
+            });
+        assert!(warned, "{scenario}: {out}");
+        for effect in answer["effects"].as_array().unwrap() {
+            assert!(effect["nuisances"].to_string().contains("Commands between the rows"), "{effect}");
+        }
+    }
+}
+
 /// What is said of a model that takes more work than a comparison has.
 const TOO_STIFF: &str = "the model is too stiff to follow along so many rows";
 

@@ -39,6 +39,19 @@ impl Table {
         Self::of(file, log_file::read_bytes(file, bytes, Wanted::Table)?)
     }
 
+    /// The names of all columns of a CSV or Parquet file with their cells as they are written.
+    ///
+    /// # Errors
+    ///
+    /// As [`Table::read`]; a log of several topics.
+    pub fn words(file: &Path) -> Result<Vec<(String, Vec<String>)>, Error> {
+        let Log::Columns(header, values) = log_file::read(file, Wanted::Table)? else {
+            return Err(Error::input(file, None, "", "is no table; save it as CSV or Parquet"));
+        };
+        let words = |values| if let Values::Text(cells) = values { cells } else { Vec::new() };
+        Ok(header.columns.into_iter().zip(values).map(|(column, values)| (column.name, words(values))).collect())
+    }
+
     fn of(file: &Path, log: Log) -> Result<Self, Error> {
         let table = match log {
             Log::Columns(header, values) => Self::from_columns(header, values),

@@ -172,6 +172,9 @@ impl Kept {
     pub(crate) fn windows(&self, problem: &Problem, index: usize, horizon: usize) -> Vec<Window> {
         let kept = &self.recordings[index];
         let driven = driven(problem, index, &kept.acting);
+        if kept.path.is_some() {
+            problem.spend(kept.prepared.cost(&self.noise[index]) * driven.grid.substeps());
+        }
         match (&kept.path, problem.motions.get(index)) {
             (Some(path), _) => kept.prepared.windows(path, driven, &self.noise[index], horizon),
             (None, Some(motion)) => kept.prepared.windows_along(motion, driven, &self.noise[index], horizon),

@@ -60,6 +60,9 @@ pub fn refit(problem: &Problem, start: &Hypothesis, noise: &[Noise], rounds: usi
     let mut best = at(problem, start.clone(), noise.to_vec())?;
     let mut damping = 1e-3;
     for round in 0..rounds {
+        if problem.is_spent() {
+            break;
+        }
         let before = best.log_likelihood;
         let many = best.hypothesis.told_by(problem);
         let path = kept(problem, &best.hypothesis.physics(&problem.nominal), &best.noise, many)?;

@@ -11,8 +11,9 @@ const ENOUGH: usize = 2;
 const LONGEST_S: f64 = 1e-3;
 /// ... and no row, such as one behind a gap, has more than this many.
 const MOST: usize = 64;
-/// Of each substep of a search this many are made where values are estimated.
-const FINER: usize = 4;
+/// Where values are estimated substeps are a part of those of a search, but none is shorter than this, s: that of the logs of 2 kHz
+/// above.
+const FINEST_S: f64 = FAST_S / 4.0;
 
 /// Where the substeps of a recording lie; the same for every hypothesis.
 #[derive(Debug, Clone, PartialEq)]
@@ -33,16 +34,18 @@ impl Grid {
         Self::of(recorded, 1)
     }
 
-    /// For the values of what was found.
-    pub(crate) fn finer(recorded: &Recorded) -> Self {
-        Self::of(recorded, FINER)
+    /// For the values of what was found: each substep in at most so many.
+    pub(crate) fn finer(recorded: &Recorded, finer: usize) -> Self {
+        Self::of(recorded, finer)
     }
 
     fn of(recorded: &Recorded, finer: usize) -> Self {
         let (mut first, mut dt_s, mut at) = (Vec::new(), Vec::new(), 0_u32);
         for pair in recorded.t_s.windows(2) {
             let interval_s = pair[1] - pair[0];
-            let count = finer * substeps_in(interval_s);
+            let coarse = substeps_in(interval_s);
+            let enough = (0.999 * interval_s / (coarse as f64 * FINEST_S)).ceil().max(1.0) as usize;
+            let count = coarse * finer.min(enough);
             first.push(at);
             dt_s.push(interval_s / count as f64);
             at += count as u32;

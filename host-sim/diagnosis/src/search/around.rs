@@ -69,14 +69,18 @@ impl Around {
     /// The refits of the first few candidates among some effects, best first by likelihood with a price on each free value.
     pub(super) fn extended(&self, problem: &Problem, among: &[&'static Effect]) -> Vec<(Refitted, Odds)> {
         let starts = first_few(self.tried(problem), among);
+        if problem.is_spent() {
+            return Vec::new();
+        }
         let price = problem.price();
         let rank = |found: &mut Vec<(&Tried, &Refitted)>| {
             let worth = |one: &Refitted| one.log_likelihood - price * freedom(one);
             found.sort_by(|a, b| worth(b.1).total_cmp(&worth(a.1)));
         };
         // In parallel to compute, in order to collect.
+        let allowed = share(problem, starts.len());
         starts.par_iter().for_each(|tried| {
-            tried.short.get_or_init(|| self.short(problem, &tried.candidate));
+            tried.short.get_or_init(|| problem.within(allowed, |own| self.short(own, &tried.candidate)));
         });
         let mut found: Vec<(&Tried, &Refitted)> =
             starts.iter().filter_map(|tried| Some((*tried, tried.short.get()?.as_ref()?))).collect();
@@ -89,8 +93,10 @@ impl Around {
             first
         });
         let rest = found.split_off(FOLLOWED.min(found.len()));
+        let allowed = share(problem, found.len());
         let follow = |&(tried, start): &(&Tried, &Refitted)| {
-            tried.followed.get_or_init(|| refit(problem, &start.hypothesis, &start.noise, STEPS[1]));
+            let followed = |own: &Problem| refit(own, &start.hypothesis, &start.noise, STEPS[1]);
+            tried.followed.get_or_init(|| problem.within(allowed, followed));
         };
         found.par_iter().for_each(follow);
         let mut found: Vec<(&Tried, &Refitted)> =
@@ -107,6 +113,11 @@ impl Around {
         // A step that leads astray is taken again from where it began.
         if found.log_likelihood > self.at.log_likelihood { Some(found) } else { refitted(&with(&candidate.from)) }
     }
+}
+
+/// Work that each of some refits may take: half of what is left in all, so that what comes after has the other half.
+fn share(problem: &Problem, refits: usize) -> u64 {
+    problem.left() / 2 / refits.max(1) as u64
 }
 
 fn odds(candidate: &Candidate) -> Odds {

@@ -33,6 +33,8 @@ enum Looked {
     Stays,
     /// The best is another one, and all its entries are to be looked at again.
     Moved,
+    /// The work that is allowed was done before the end of it.
+    Unfinished,
 }
 
 impl<'a> Neighbourhood<'a> {
@@ -52,14 +54,15 @@ impl<'a> Neighbourhood<'a> {
     pub(super) fn found(mut self) -> Found {
         let mut at = 0;
         while at < self.entries() {
-            if self.problem.is_spent() {
-                // What was not looked at any more is told as found, without rivals.
+            if self.problem.is_spent() || self.problem.was_cut() {
+                // What was not looked at, or not to its end, is told as found, without rivals.
                 self.evidence.extend(self.tried[at..].iter().map(|odds| odds.taken));
                 break;
             }
             at = match self.look_at(at) {
                 Looked::Stays => at + 1,
                 Looked::Moved => 0,
+                Looked::Unfinished => at,
             };
         }
         let Self { nominal, best, evidence, rivals, rejected, .. } = self;
@@ -86,6 +89,9 @@ impl<'a> Neighbourhood<'a> {
             return self.moved(at, without, None);
         }
         let found = self.in_its_place(at, &without);
+        if self.problem.is_spent() || self.problem.was_cut() {
+            return Looked::Unfinished;
+        }
         let comparisons: Vec<Comparison> = found.iter().map(|rival| compare(self.problem, &self.best, rival)).collect();
         if let Some(other) = self.preferred(&found, &comparisons) {
             let other = found[other].clone();

@@ -7,12 +7,10 @@ use diagnosis::effects::{VOCABULARY, find};
 
 use super::Overwrite;
 use crate::Error;
-use crate::conclude::{self, Diagnosis, Request};
+use crate::conclude::{self, OfFiles};
 use crate::output::{self, Output, Outputs, Provenance, formats};
-use crate::precheck::{self, Purpose};
 use crate::propose;
 use crate::read::vocabulary::CONTROLLER;
-use crate::read::{Machine, Recording};
 use crate::report::html::{PlotData, page};
 use crate::report::{self, Answer, Verdict};
 
@@ -77,21 +75,11 @@ struct Asked {
 /// written.
 pub fn run(args: &Args, verbose: bool) -> Result<ExitCode, Error> {
     let (asked, mut outputs) = args.files()?;
-    if let Some(jobs) = args.jobs {
-        rayon::ThreadPoolBuilder::new()
-            .num_threads(jobs)
-            .build_global()
-            .map_err(|error| Error::Usage(format!("--jobs {jobs}: {error}")))?;
-    }
+    super::use_threads(args.jobs)?;
     args.check_ids()?;
-    let machine = Machine::read(&args.machine)?;
-    let read = |files: &[PathBuf]| -> Result<Vec<Recording>, Error> {
-        files.iter().map(|file| Recording::of(file, &machine)).collect()
-    };
-    let (recordings, holdout) = (read(&args.recordings)?, read(&args.holdout)?);
-    let warnings = precheck::warnings(&machine, &recordings, &holdout, Purpose::Diagnose)?;
-    let mut diagnosis = args.diagnosed(&machine, &recordings, &holdout)?;
-    diagnosis.answer.warnings.splice(0..0, warnings);
+    let vocabulary: Vec<_> = VOCABULARY.iter().copied().filter(|effect| args.may_name(effect.id)).collect();
+    let OfFiles { machine, recordings, holdout, mut diagnosis } =
+        conclude::of_files(&args.machine, &args.recordings, &args.holdout, &vocabulary)?;
     if args.stages || verbose {
         diagnosis.stages.taken().iter().for_each(|(stage, took)| eprintln!("{stage:24} {:7.3} s", took.as_secs_f64()));
     }
@@ -128,16 +116,6 @@ impl Args {
     fn may_name(&self, id: &str) -> bool {
         (self.only.is_empty() || self.only.iter().any(|only| only == id))
             && !self.without.iter().any(|other| other == id)
-    }
-
-    fn diagnosed(
-        &self,
-        machine: &Machine,
-        recordings: &[Recording],
-        holdout: &[Recording],
-    ) -> Result<Diagnosis, Error> {
-        let vocabulary: Vec<_> = VOCABULARY.iter().copied().filter(|effect| self.may_name(effect.id)).collect();
-        conclude::diagnose(&Request { machine, recordings, holdout, vocabulary: &vocabulary })
     }
 
     /// Whether the answer as JSON goes to standard output, and nothing else does.

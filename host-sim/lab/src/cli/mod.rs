@@ -9,6 +9,7 @@ mod demo;
 mod diagnose;
 mod doctor;
 mod examples;
+mod fleet;
 mod guide;
 mod help;
 mod init;
@@ -87,6 +88,9 @@ enum Command {
     /// Find what the model leaves out of the recordings, with its parameters, or say that they cannot tell.
     #[command(after_help = format!("{}\n\n{EXIT_CODES}", examples::DIAGNOSE))]
     Diagnose(diagnose::Args),
+    /// Diagnose many machines: each row of a manifest over all cores, into one table that a later run goes on with.
+    #[command(after_help = examples::FLEET)]
+    Fleet(fleet::Args),
     /// Rank the delays a fluid can have, none to dead time and lag of its field, and say what would tell them apart.
     #[command(after_help = examples::DELAYS)]
     Delays(delays::Args),
@@ -126,6 +130,13 @@ const MOST_THREADS: usize = 1024;
 fn threads(text: &str) -> Result<usize, String> {
     let count = text.parse().ok().filter(|count| (1..=MOST_THREADS).contains(count));
     count.ok_or_else(|| format!("must be a whole number from 1 to {MOST_THREADS}"))
+}
+
+/// Has everything that is computed use that many threads.
+fn use_threads(jobs: Option<usize>) -> Result<(), Error> {
+    let Some(jobs) = jobs else { return Ok(()) };
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(jobs).build_global();
+    pool.map_err(|error| Error::Usage(format!("--jobs {jobs}: {error}")))
 }
 
 /// Flag of the commands that write files.
@@ -168,6 +179,7 @@ impl Cli {
             Command::Completions(args) => help::completions(args),
             Command::Man(args) => help::man(args),
             Command::Delays(args) => delays::run(args),
+            Command::Fleet(args) => fleet::run(args),
             Command::Convert(args) => convert::run(args),
             Command::Doctor(args) => doctor::run(args),
             Command::Init(args) => init::run(args),

@@ -2,6 +2,8 @@
 
 mod answer;
 mod controller;
+mod files;
+mod lost;
 mod stretches;
 mod values;
 mod whitened;
@@ -11,8 +13,11 @@ use diagnosis::physics::Physics;
 use diagnosis::pipeline::{Conclusion, diagnose_as_read};
 use diagnosis::problem::Problem;
 use diagnosis::recorded::Recorded;
+use diagnosis::verdict::Verdict as Judged;
 
 use self::controller::mismatch;
+pub use self::files::{OfFiles, of_files};
+use self::lost::Lost;
 use self::stretches::stretches;
 pub use self::whitened::Whitened;
 use crate::Error;
@@ -80,6 +85,7 @@ pub fn diagnose(request: &Request<'_>) -> Result<Diagnosis, Error> {
     let mut stages = Stages::begin();
     let controller = request.machine.controller.as_ref().and_then(|law| mismatch(law, &files, &mut notes));
     stages.done("controller");
+    let lost = Lost::of(request.machine, &files);
     let names: Vec<&str> = files.iter().map(|file| file.name.as_str()).collect();
     let machine = with_steps_of(request.machine, &files, &mut notes);
     let problem = problem(&machine, request, &files, &mut notes);
@@ -89,6 +95,10 @@ pub fn diagnose(request: &Request<'_>) -> Result<Diagnosis, Error> {
     })?;
     stages.done("search, refit and confidence set");
     let mut answer = answer::answer(&problem, &conclusion, machine.axis.kind);
+    if let Some(lost) = lost.filter(|_| problem.motions.is_empty()) {
+        notes.push(lost.note());
+        lost.doubt(&mut answer);
+    }
     match controller {
         Some(effect) => (answer.verdict, answer.effects) = (Verdict::Controller, vec![effect]),
         None => {
@@ -98,7 +108,8 @@ pub fn diagnose(request: &Request<'_>) -> Result<Diagnosis, Error> {
     }
     answer.warnings = notes;
     stages.done("answer");
-    let ambiguous = answer.verdict == Verdict::Ambiguous;
+    // What another log of the same motion would show needs no other motion.
+    let ambiguous = conclusion.verdict == Judged::Ambiguous;
     let proposal = if ambiguous { proposal(&machine, request, &problem, &conclusion) } else { None };
     answer.experiment = proposal.as_ref().map(Proposal::experiment);
     answer.warnings.extend(answer::warnings(&problem, &conclusion, answer.experiment.is_some()));
@@ -142,5 +153,6 @@ fn problem(machine: &Machine, request: &Request<'_>, files: &[&Recording], notes
     let nominal = Physics::nominal(machine, &names);
     let recorded = read.iter().map(Recorded::new).collect();
     let linear = machine.axis.kind == AxisKind::Linear;
-    Problem::new(nominal, recorded, request.recordings.len(), machine.axis.resolution, linear)
+    let problem = Problem::new(nominal, recorded, request.recordings.len(), machine.axis.resolution, linear);
+    problem.sampled(machine.axis.sample_period_s)
 }

@@ -191,7 +191,7 @@ fn evidence(problem: &Problem, ranked: &[Ranked]) -> Vec<(&'static str, Vec<(f64
         all.iter().flat_map(|of| of.log_likelihood.iter().copied()).collect()
     };
     let mut times: Vec<f64> = Vec::new();
-    for recorded in &problem.recordings {
+    for recorded in problem.recordings.iter() {
         let before = times.last().map_or(0.0, |last| last + recorded.period_s());
         times.extend(recorded.t_s.iter().map(|t_s| before + t_s - recorded.t_s[0]));
     }

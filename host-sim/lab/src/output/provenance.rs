@@ -80,7 +80,11 @@ fn now() -> SystemTime {
     fixed.map_or_else(SystemTime::now, |seconds| UNIX_EPOCH + Duration::from_secs(seconds))
 }
 
-fn sha256(file: &Path) -> io::Result<Option<String>> {
+/// SHA-256 of a file's bytes, hexadecimal; none of a pipe or a device, which can be read once only.
+///
+/// # Errors
+/// A file that cannot be read.
+pub fn sha256(file: &Path) -> io::Result<Option<String>> {
     // Standard input was read already.
     if file.as_os_str() == "-" || !std::fs::metadata(file)?.is_file() {
         return Ok(None);

@@ -38,17 +38,9 @@ pub fn page(results: &Results, made: &Provenance) -> Result<String, Error> {
     let figures: String = text::figures(score).iter().map(|line| format!("<li>{}</li>", escape(line))).collect();
     body += &section("Figures", &format!("<ul>{figures}</ul>"));
     body += &section("Misses", &table(&text::misses(score, &results.outcomes)));
-    Ok(document(&body, results, made))
-}
-
-fn document(body: &str, results: &Results, made: &Provenance) -> String {
-    let origin = &results.origin;
-    format!(
-        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta http-equiv=\"Content-Security-Policy\" \
-         content=\"default-src 'none'; style-src 'unsafe-inline'\">\n<meta name=\"viewport\" \
-         content=\"width=device-width, initial-scale=1\">\n<title>Proof on concealed effects</title>\n<style>\n{STYLE}</style>\n\
-         </head>\n<body>\n<main>\n{body}<footer class=\"quiet\">Made by <code>{}</code>; sources at {}; SHA-256 of the program \
-         that diagnosed: {}. {} on {}, built from {}: <code>{}</code>.</footer>\n</main>\n</body>\n</html>\n",
+    let footer = format!(
+        "Made by <code>{}</code>; sources at {}; SHA-256 of the program that diagnosed: {}. {} on {}, built from {}: \
+         <code>{}</code>.",
         escape(&origin.command),
         escape(&origin.commit),
         escape(&origin.program),
@@ -56,14 +48,28 @@ fn document(body: &str, results: &Results, made: &Provenance) -> String {
         escape(&made.date),
         escape(&made.commit),
         escape(&made.command)
+    );
+    Ok(document("Proof on concealed effects", &body, &footer))
+}
+
+/// A page of sections with a footer, both as HTML.
+pub(crate) fn document(title: &str, body: &str, footer: &str) -> String {
+    format!(
+        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta http-equiv=\"Content-Security-Policy\" \
+         content=\"default-src 'none'; style-src 'unsafe-inline'\">\n<meta name=\"viewport\" \
+         content=\"width=device-width, initial-scale=1\">\n<title>{}</title>\n<style>\n{STYLE}</style>\n\
+         </head>\n<body>\n<main>\n{body}<footer class=\"quiet\">{footer}</footer>\n</main>\n</body>\n</html>\n",
+        escape(title)
     )
 }
 
-fn section(title: &str, content: &str) -> String {
+/// A section with its heading; the content is HTML.
+pub(crate) fn section(title: &str, content: &str) -> String {
     format!("<section><h2>{}</h2>\n{content}</section>\n", escape(title))
 }
 
-fn table((head, rows): &Table) -> String {
+/// A table as HTML.
+pub(crate) fn table((head, rows): &Table) -> String {
     let cell = |tag: &str, text: &str| format!("<{tag}>{}</{tag}>", escape(text));
     let head: String = head.iter().map(|text| cell("th", text)).collect();
     let row = |row: &Vec<String>| {
@@ -107,6 +113,6 @@ fn figure(title: &str, panel: Panel) -> Result<String, Error> {
 }
 
 /// Text for the content of an element.
-fn escape(raw: &str) -> String {
+pub(crate) fn escape(raw: &str) -> String {
     raw.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }

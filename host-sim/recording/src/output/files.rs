@@ -5,8 +5,8 @@ use std::io::{self, BufWriter};
 use std::path::{Path, PathBuf};
 
 use super::place::{self, Identity};
-use super::{Growing, Staged, failed, mark, temporary_beside};
-use crate::{Error, Recording};
+use super::{Growing, Staged, failed, mark, parquet_recording, temporary_beside};
+use crate::{Cells, Error, Recording};
 
 /// Everything a command will read and write, told before it begins.
 ///
@@ -214,6 +214,15 @@ impl Outputs {
     pub fn recording(&mut self, output: Output, recording: &Recording) -> Result<(), Error> {
         self.staged.push(recording.stage(self.file(output))?);
         Ok(())
+    }
+
+    /// Writes columns of one length as a Parquet table of that name; it appears with [`Outputs::finish`].
+    ///
+    /// # Errors
+    ///
+    /// As [`Outputs::write`].
+    pub fn table(&mut self, output: Output, name: &str, columns: &[(&str, Cells<'_>)]) -> Result<(), Error> {
+        self.write(output, |to| parquet_recording::write_table(name, columns, to).map_err(io::Error::other))
     }
 
     /// Begins a recording that is written as it comes; it appears when it is finished.

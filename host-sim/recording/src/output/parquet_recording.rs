@@ -1,4 +1,4 @@
-//! Recordings as Parquet: one row group, every column required.
+//! Recordings and other tables as Parquet: one row group, every column required.
 
 use std::io::Write;
 use std::sync::Arc;
@@ -14,11 +14,15 @@ use parquet::schema::types::{Type, TypePtr};
 use super::mark;
 use crate::{Cells, Recording};
 
-/// Writes the recording, compressed with Snappy, with the mark of this tool in the metadata.
+/// Writes the recording.
 pub(super) fn write(recording: &Recording, to: impl Write + Send) -> Result<()> {
-    let columns = recording.columns();
+    write_table("recording", &recording.columns(), to)
+}
+
+/// Writes columns of one length, compressed with Snappy, with the mark of this tool in the metadata.
+pub(super) fn write_table(name: &str, columns: &[(&str, Cells<'_>)], to: impl Write + Send) -> Result<()> {
     let fields = columns.iter().map(|(name, cells)| field(name, cells)).collect::<Result<_>>()?;
-    let schema = Arc::new(Type::group_type_builder("recording").with_fields(fields).build()?);
+    let schema = Arc::new(Type::group_type_builder(name).with_fields(fields).build()?);
     let written_by = KeyValue::new("written_by".to_owned(), mark::WORDS.to_owned());
     let properties = WriterProperties::builder()
         .set_compression(Compression::SNAPPY)
@@ -26,7 +30,7 @@ pub(super) fn write(recording: &Recording, to: impl Write + Send) -> Result<()> 
         .build();
     let mut writer = SerializedFileWriter::new(to, schema, Arc::new(properties))?;
     let mut group = writer.next_row_group()?;
-    for (_, cells) in &columns {
+    for (_, cells) in columns {
         if let Some(mut column) = group.next_column()? {
             write_column(&mut column, cells)?;
             column.close()?;

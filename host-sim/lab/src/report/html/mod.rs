@@ -20,6 +20,7 @@ use markup::Section;
 pub(crate) use words::number;
 #[cfg(test)]
 pub(crate) use words::sentence;
+pub(crate) use words::{estimate, interval};
 
 use crate::Error;
 use crate::output::Provenance;

@@ -64,12 +64,12 @@ fn listed(items: &[String]) -> String {
 }
 
 /// The value with the digits that its interval leaves.
-pub(super) fn estimate(of: &Interval) -> String {
+pub(crate) fn estimate(of: &Interval) -> String {
     number(of.value, of.high - of.low)
 }
 
 /// The interval with the digits that its width leaves.
-pub(super) fn interval(of: &Interval) -> String {
+pub(crate) fn interval(of: &Interval) -> String {
     let width = of.high - of.low;
     format!("{} to {}", number(of.low, width), number(of.high, width))
 }

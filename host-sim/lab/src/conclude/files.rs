@@ -1,0 +1,45 @@
+//! A diagnosis from files: read, looked at, concluded.
+
+use std::path::{Path, PathBuf};
+
+use diagnosis::effects::Effect;
+
+use super::{Diagnosis, Request, diagnose};
+use crate::Error;
+use crate::precheck::{self, Purpose};
+use crate::read::{Machine, Recording};
+
+/// A diagnosis with what was read for it.
+#[derive(Debug)]
+pub struct OfFiles {
+    /// The machine file.
+    pub machine: Machine,
+    /// Recordings to fit.
+    pub recordings: Vec<Recording>,
+    /// Recordings that are only predicted.
+    pub holdout: Vec<Recording>,
+    /// What was concluded; the answer's warnings begin with what the data themselves show.
+    pub diagnosis: Diagnosis,
+}
+
+/// Diagnoses recordings with the machine file of their nominal model.
+///
+/// # Errors
+/// Files that cannot be read, data that nothing can be computed from, and as [`diagnose`].
+pub fn of_files(
+    machine: &Path,
+    recordings: &[PathBuf],
+    holdout: &[PathBuf],
+    vocabulary: &[&'static Effect],
+) -> Result<OfFiles, Error> {
+    let machine = Machine::read(machine)?;
+    let read = |files: &[PathBuf]| -> Result<Vec<Recording>, Error> {
+        files.iter().map(|file| Recording::of(file, &machine)).collect()
+    };
+    let (recordings, holdout) = (read(recordings)?, read(holdout)?);
+    let warnings = precheck::warnings(&machine, &recordings, &holdout, Purpose::Diagnose)?;
+    let request = Request { machine: &machine, recordings: &recordings, holdout: &holdout, vocabulary };
+    let mut diagnosis = diagnose(&request)?;
+    diagnosis.answer.warnings.splice(0..0, warnings);
+    Ok(OfFiles { machine, recordings, holdout, diagnosis })
+}
