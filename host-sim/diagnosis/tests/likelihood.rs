@@ -113,8 +113,7 @@ fn an_interval_that_holds_the_nominal_value_is_not_away_from_it() {
 #[test]
 fn without_a_torque_every_figure_of_the_answer_is_a_number() {
     let pushed = Model { torque_offset: 0.8, ..machine() };
-    let mut problem = problem(machine(), &pushed, 0.02);
-    let recordings = problem.recordings.drain(..).map(|mut recorded| {
+    let recordings = problem(machine(), &pushed, 0.02).recordings.to_vec().into_iter().map(|mut recorded| {
         recorded.commands.iter_mut().for_each(|command| command.torque = 0.0);
         recorded
     });
