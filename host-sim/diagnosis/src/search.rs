@@ -103,7 +103,7 @@ pub fn p_value(assessed: &Assessed, entry: usize, gain: f64, odds: Odds) -> f64 
         return 1.0;
     }
     let single = ChiSquared::new(freedom).map_or(1.0, |chi| chi.sf(statistic));
-    ((single * odds.tries).max(odds.by_chance) * crate::effects::VOCABULARY.len() as f64).min(1.0)
+    (single * odds.tries * crate::effects::VOCABULARY.len() as f64).max(odds.by_chance).min(1.0)
 }
 
 /// The nominal machine with what others would stand in for where it is missing; none where it can have nothing of the kind.

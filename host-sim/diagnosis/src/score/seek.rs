@@ -225,15 +225,15 @@ fn apart(windows: &[f64], rows: usize) -> Vec<usize> {
 /// Extremes that the tail is fitted to.
 const TAIL: usize = 12;
 
-/// Probability that the largest of as many extremes is that far beyond the second: squares of extremes, which add to the
-/// log-likelihood, fall off exponentially (Pickands 1975, with the shape of light tails), by the mean excess of the others, so that a
-/// residual that is wild everywhere has no events for its own.
+/// Probability that the largest of as many extremes is that far beyond the second: the tail of the others fitted by Hill's
+/// estimator (1975), so that a residual with heavy tails has no events for its own.
 fn by_chance(windows: &[f64], peaks: &[usize]) -> f64 {
     if peaks.len() < TAIL + 1 {
         return 1.0;
     }
-    let square = |at: usize| windows[peaks[at]].powi(2);
-    let last = square(TAIL);
-    let excess = (1..TAIL).map(|at| square(at) - last).sum::<f64>() / (TAIL - 1) as f64;
-    (-(square(0) - square(1)) / excess.max(f64::MIN_POSITIVE)).exp()
+    let size = |at: usize| windows[peaks[at]].abs();
+    let last = size(TAIL).max(f64::MIN_POSITIVE);
+    let logs: f64 = (1..TAIL).map(|at| (size(at) / last).ln()).sum();
+    let tail_index = (TAIL - 1) as f64 / logs.max(1e-9);
+    (size(0) / size(1).max(f64::MIN_POSITIVE)).powf(-tail_index)
 }
