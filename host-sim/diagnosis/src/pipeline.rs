@@ -1,6 +1,6 @@
 //! From recordings to the conclusion; the only place that knows every stage.
 
-use crate::confidence_set::{Comparison, Interval, LEVEL_OF_THE_SET, Step, excluded, intervals};
+use crate::confidence_set::{Comparison, Interval, LEVEL_OF_THE_SET, SMALLEST_SIZE, Step, excluded, intervals};
 use crate::effects::{Effect, VOCABULARY};
 use crate::goodness::{Predictor, predictors};
 use crate::hypothesis::{Entry, Hypothesis, Refitted, refit};
@@ -262,8 +262,7 @@ fn named(problem: &Problem, found: &Found) -> (Vec<Named>, Vec<Hypothesis>) {
             recording: (entry.effect.span)(&entry.values).map(|(recording, ..)| recording),
         });
     }
-    // An event's gain is that of the windows around it: what holds always comes first.
-    effects.sort_by(|a, b| a.effect.once.cmp(&b.effect.once).then(b.gain.total_cmp(&a.gain)));
+    effects.sort_by(|a, b| b.gain.total_cmp(&a.gain));
     in_the_set.sort_by(|a, b| a.0.total_cmp(&b.0));
     let others = in_the_set.into_iter().map(|(_, hypothesis)| hypothesis);
     (effects, std::iter::once(best.refitted.hypothesis.clone()).chain(others).collect())
@@ -286,6 +285,9 @@ fn torque_rms(problem: &Problem, refitted: &Refitted) -> f64 {
     (squares / count.max(1) as f64).sqrt()
 }
 
+/// Smallest relevant torque over the drive's: the smallest size of what is named, a fiftieth, of the typical change of a torque, 5 %.
+const SMALLEST_TORQUE: f64 = SMALLEST_SIZE * 0.05;
+
 /// Relative fall of windows' root mean square if a steady torque of that size were known: over the longer horizon it adds to the mean
 /// torque that the noise leaves there.
 fn share_of_windows(problem: &Problem, refitted: &Refitted, torque_rms: f64) -> f64 {
@@ -303,7 +305,11 @@ fn remainder(problem: &Problem, found: &Found) -> Option<Remainder> {
     let level = LEVEL_OF_THE_SET / all.len().max(1) as f64;
     let gained = refitted.log_likelihood - found.nominal.assessed.refitted.log_likelihood;
     let part = |rise: f64| gained > 0.0 && rise >= SMALLEST_GAIN * gained;
-    let windows = |one: &Predictor| one.torque_rms.map_or(0.0, |torque| share_of_windows(problem, refitted, torque));
+    let least = SMALLEST_TORQUE * problem.excitation.torque_rms;
+    let windows = |one: &Predictor| {
+        let torque_rms = one.torque_rms.filter(|torque_rms| *torque_rms >= least);
+        torque_rms.map_or(0.0, |torque_rms| share_of_windows(problem, refitted, torque_rms))
+    };
     let worth_it = |one: &Predictor| one.p_value < level && one.rise > problem.price() * one.freedom as f64;
     // A memory of the noise is no physics that was left out until it is a relevant part of what is left.
     let relevant = |one: &Predictor| one.share.max(windows(one)) >= SMALLEST_GAIN;

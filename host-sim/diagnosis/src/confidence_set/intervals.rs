@@ -16,7 +16,7 @@ pub struct Interval {
 
 /// Smallest relevant size as a share of the typical change that an effect's own file states: of an inertia a thousandth, of a delay
 /// 20 us. Less is known of no machine's datasheet.
-const SMALLEST_SIZE: f64 = 0.02;
+pub(crate) const SMALLEST_SIZE: f64 = 0.02;
 
 /// Standard normal deviate of a 95 % interval.
 pub(crate) const TWO_SIDED_95: f64 = 1.959_964;

@@ -10,8 +10,8 @@ use crate::windows::WindowFit;
 
 pub use compare::{Comparison, LEVEL_OF_THE_SET, compare, excluded};
 pub use information::{Assessed, assess};
-pub(crate) use intervals::TWO_SIDED_95;
 pub use intervals::{Interval, intervals};
+pub(crate) use intervals::{SMALLEST_SIZE, TWO_SIDED_95};
 
 /// Steps of a refit on a finer grid, from values that a coarser one gave.
 const STEPS: usize = 4;

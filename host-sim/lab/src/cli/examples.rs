@@ -38,9 +38,10 @@ Example:
   servo-lab diagnose --machine machine.toml --html answer.html run1.csv --holdout run2.csv
   servo-lab diagnose --machine machine.toml --json - --fail-on ambiguous,unknown run1.csv";
 pub(super) const FLEET: &str = "\
-Example, of a manifest with the columns machine, recordings, holdout, date and a row such as
-axis7.toml,mon.csv;tue.csv,wed.csv,2026-03-31:
-  servo-lab fleet manifest.csv -o fleet.parquet --html fleet.html";
+Example:
+  servo-lab fleet manifest.csv -o fleet.parquet --html fleet.html
+
+The manifest has the columns machine, recordings, holdout, date, and rows such as axis7.toml,mon.csv;tue.csv,wed.csv,2026-03-31.";
 pub(super) const LINK: &str = "\
 Example:
   servo-lab link --port /dev/ttyUSB0 enable
