@@ -285,7 +285,7 @@ fn torque_rms(problem: &Problem, refitted: &Refitted) -> f64 {
     (squares / count.max(1) as f64).sqrt()
 }
 
-/// Smallest relevant torque over the drive's: the smallest size of what is named, a fiftieth, of the typical change of a torque, 5 %.
+/// Smallest relevant torque over the drive's where nothing is named: the smallest size of what is named, a fiftieth, of the typical change of a torque, 5 %.
 const SMALLEST_TORQUE: f64 = SMALLEST_SIZE * 0.05;
 
 /// Relative fall of windows' root mean square if a steady torque of that size were known: over the longer horizon it adds to the mean
@@ -305,7 +305,9 @@ fn remainder(problem: &Problem, found: &Found) -> Option<Remainder> {
     let level = LEVEL_OF_THE_SET / all.len().max(1) as f64;
     let gained = refitted.log_likelihood - found.nominal.assessed.refitted.log_likelihood;
     let part = |rise: f64| gained > 0.0 && rise >= SMALLEST_GAIN * gained;
-    let least = SMALLEST_TORQUE * problem.excitation.torque_rms;
+    // Beside effects the least counts, for their values may have absorbed more of it.
+    let alone = refitted.hypothesis.entries.is_empty();
+    let least = if alone { SMALLEST_TORQUE * problem.excitation.torque_rms } else { 0.0 };
     let windows = |one: &Predictor| {
         let torque_rms = one.torque_rms.filter(|torque_rms| *torque_rms >= least);
         torque_rms.map_or(0.0, |torque_rms| share_of_windows(problem, refitted, torque_rms))
