@@ -285,7 +285,8 @@ fn torque_rms(problem: &Problem, refitted: &Refitted) -> f64 {
     (squares / count.max(1) as f64).sqrt()
 }
 
-/// Smallest relevant torque over the drive's where nothing is named: the smallest size of what is named, a fiftieth, of the typical change of a torque, 5 %.
+/// Smallest relevant torque over the drive's where nothing is named: the smallest size of what is named, a fiftieth, of the typical
+/// change of a torque, 5 %.
 const SMALLEST_TORQUE: f64 = SMALLEST_SIZE * 0.05;
 
 /// Relative fall of windows' root mean square if a steady torque of that size were known: over the longer horizon it adds to the mean

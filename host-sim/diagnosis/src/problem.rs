@@ -61,8 +61,8 @@ impl Problem {
         let lately = recordings.iter().map(|_| Lately::default()).collect();
         let blocks = recordings.iter().map(blocks).collect();
         let excerpts = recordings.iter().map(|recorded| stretches(recorded.rows())).collect();
-        let motions = if may_be_measured(&nominal) { motions(&recordings, resolution) } else { Vec::new() };
         let measured = may_be_measured(&nominal);
+        let motions = if measured { motions(&recordings, resolution) } else { Vec::new() };
         let excitation = Excitation { step: resolution, measured, ..excitation(&recordings, fitted, linear) };
         let early_s = early(&nominal, &recordings, &grids, &motions, resolution);
         // Without steps, what double precision keeps of the travel.

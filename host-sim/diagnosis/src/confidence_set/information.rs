@@ -136,6 +136,18 @@ impl Assessed {
     }
 }
 
+/// Adds the spread of one recording's block scores, in their order, with what neighbours have in common.
+pub(crate) fn add_spread(spread: &mut DMatrix<f64>, scores: &[DVector<f64>]) {
+    for (at, score) in scores.iter().enumerate() {
+        *spread += score * score.transpose();
+        for lag in 1..=LAGS.min(at) {
+            let weight = 1.0 - lag as f64 / (LAGS + 1) as f64;
+            let cross = score * scores[at - lag].transpose();
+            *spread += (&cross + cross.transpose()) * weight;
+        }
+    }
+}
+
 /// Inverse information times the spread of the block scores times inverse information; never below what the information
 /// alone says, for few blocks understate their own spread.
 fn sandwich(information: &DMatrix<f64>, scores: &[Vec<DVector<f64>>]) -> Option<DMatrix<f64>> {
@@ -144,14 +156,7 @@ fn sandwich(information: &DMatrix<f64>, scores: &[Vec<DVector<f64>>]) -> Option<
     let mut blocks = 0_usize;
     for of_recording in scores {
         blocks += of_recording.len();
-        for (at, score) in of_recording.iter().enumerate() {
-            spread += score * score.transpose();
-            for lag in 1..=LAGS.min(at) {
-                let weight = 1.0 - lag as f64 / (LAGS + 1) as f64;
-                let cross = score * of_recording[at - lag].transpose();
-                spread += (&cross + cross.transpose()) * weight;
-            }
-        }
+        add_spread(&mut spread, of_recording);
     }
     let inverse = information.clone().cholesky()?.inverse();
     // Each estimated value takes one block's worth of freedom.

@@ -19,41 +19,47 @@ pub struct Interval {
 pub(crate) const SMALLEST_SIZE: f64 = 0.02;
 
 /// Standard normal deviate of a 95 % interval.
-pub(crate) const TWO_SIDED_95: f64 = 1.959_964;
+pub const TWO_SIDED_95: f64 = 1.959_964;
 
 /// Reported values of an entry with their intervals: the fitted values' covariance through the report, linearised.
 pub fn intervals(best: &Assessed, at: usize) -> Vec<Interval> {
     let entry = &best.refitted.hypothesis.entries[at];
     let places = best.refitted.hypothesis.free();
-    let own: Vec<(usize, usize)> =
-        places.iter().enumerate().filter(|(_, (entry, _))| *entry == at).map(|(i, (_, index))| (i, *index)).collect();
-    let values = (entry.effect.report)(&entry.values);
-    let slope = |index: usize, sd: f64| -> Vec<f64> {
-        // A tenth of a standard deviation either way: the report is smooth on that scale.
-        let by = 0.1 * sd;
-        let moved = |by: f64| {
-            let mut values = entry.values.clone();
-            values[index] += by;
-            (entry.effect.report)(&values)
-        };
-        moved(by).iter().zip(moved(-by)).map(|(up, down)| wrapped(up - down) / (2.0 * by)).collect()
-    };
-    let slopes: Vec<Vec<f64>> =
-        own.iter().map(|&(i, index)| slope(index, best.covariance[(i, i)].max(f64::MIN_POSITIVE).sqrt())).collect();
-    values
-        .iter()
-        .enumerate()
-        .map(|(k, &value)| {
+    let own: Vec<usize> = (0..places.len()).filter(|&place| places[place].0 == at).collect();
+    (entry.effect.report)(&entry.values)
+        .into_iter()
+        .zip(slopes(best, at))
+        .map(|(value, slopes)| {
             let mut variance = 0.0;
-            for (a, &(i, _)) in own.iter().enumerate() {
-                for (b, &(j, _)) in own.iter().enumerate() {
-                    variance += slopes[a][k] * slopes[b][k] * best.covariance[(i, j)];
+            for &i in &own {
+                for &j in &own {
+                    variance += slopes[i] * slopes[j] * best.covariance[(i, j)];
                 }
             }
             let half = TWO_SIDED_95 * variance.max(0.0).sqrt();
             Interval { value, low: value - half, high: value + half }
         })
         .collect()
+}
+
+/// For each reported value of an entry its slope over every free value, in the order of [`crate::hypothesis::Hypothesis::free`].
+pub fn slopes(best: &Assessed, at: usize) -> Vec<Vec<f64>> {
+    let entry = &best.refitted.hypothesis.entries[at];
+    let places = best.refitted.hypothesis.free();
+    let mut slopes = vec![vec![0.0; places.len()]; (entry.effect.report)(&entry.values).len()];
+    for (place, &(_, index)) in places.iter().enumerate().filter(|(_, (of, _))| *of == at) {
+        // A tenth of a standard deviation either way: the report is smooth on that scale.
+        let by = 0.1 * best.covariance[(place, place)].max(f64::MIN_POSITIVE).sqrt();
+        let moved = |by: f64| {
+            let mut values = entry.values.clone();
+            values[index] += by;
+            (entry.effect.report)(&values)
+        };
+        for (value, (up, down)) in moved(by).iter().zip(moved(-by)).enumerate() {
+            slopes[value][place] = wrapped(up - down) / (2.0 * by);
+        }
+    }
+    slopes
 }
 
 /// A phase that passes pi by a small step is no jump.

@@ -9,9 +9,10 @@ use crate::problem::Problem;
 use crate::windows::WindowFit;
 
 pub use compare::{Comparison, LEVEL_OF_THE_SET, compare, excluded};
+pub(crate) use information::add_spread;
 pub use information::{Assessed, assess};
-pub use intervals::{Interval, intervals};
-pub(crate) use intervals::{SMALLEST_SIZE, TWO_SIDED_95};
+pub(crate) use intervals::SMALLEST_SIZE;
+pub use intervals::{Interval, TWO_SIDED_95, intervals, slopes};
 
 /// Steps of a refit on a finer grid, from values that a coarser one gave.
 const STEPS: usize = 4;

@@ -25,10 +25,9 @@ const RATE_ROWS: usize = 5;
 const PAST_ROWS: [(usize, usize); 4] = [(1, 1), (2, 3), (4, 7), (8, 15)];
 
 impl Channel {
-    /// Torques of the size of `unit` that are functions of a channel: `factor` times Legendre polynomials of the channel's rank, of
+    /// Torques of the size of `unit` that are functions of a channel: `factor` times Legendre polynomials of the channel's ranks, of
     /// degrees 1 to 3: what grows, bends, and comes back.
-    fn new(name: &'static str, unit: f64, channel: &Rows, factor: Option<&Rows>) -> Self {
-        let ranks = ranks(channel);
+    fn new(name: &'static str, unit: f64, ranks: &Rows, factor: Option<&Rows>) -> Self {
         let largest = factor.map_or(1.0, largest).max(f64::MIN_POSITIVE);
         let function = |polynomial: fn(f64) -> f64| -> Rows {
             let of = |(index, ranks): (usize, &Vec<f64>)| -> Vec<f64> {
@@ -86,8 +85,9 @@ pub(super) fn channels(problem: &Problem, path: &Kept) -> Vec<Channel> {
     let change = |value: &dyn Fn(usize) -> f64, row: usize| value(row) - value(row.saturating_sub(RATE_ROWS));
     let speed = of(&|index, row| innovations(index).speed[row.saturating_sub(1)]);
     let direction: Rows = speed.iter().map(|rows| rows.iter().map(|speed| speed.signum()).collect()).collect();
-    let position = of(&|index, row| innovations(index).position[row]);
-    let time = of(&|index, row| problem.recordings[index].t_s[row]);
+    // By rank, where no value itself is needed.
+    let position = ranks(&of(&|index, row| innovations(index).position[row]));
+    let time = ranks(&of(&|index, row| problem.recordings[index].t_s[row]));
     let torque = of(&|index, row| command(index, row).torque);
     let load: Rows = torque.iter().map(|rows| rows.iter().map(|torque| torque.abs()).collect()).collect();
     let torque_rate = of(&|index, row| change(&|row| command(index, row).torque, row));
@@ -99,13 +99,13 @@ pub(super) fn channels(problem: &Problem, path: &Kept) -> Vec<Channel> {
     };
     let own_past = Functions::Whitened(PAST_ROWS.map(past).to_vec());
     let mut all = vec![
-        Channel::new("speed", unit, &speed, None),
+        Channel::new("speed", unit, &ranks(&speed), None),
         Channel::new("position", unit, &position, None),
         Channel::new("position_by_direction", unit, &position, Some(&direction)),
         Channel::new("position_by_torque", unit, &position, Some(&torque)),
-        Channel::new("torque", unit, &torque, None),
-        Channel::new("torque_by_direction", unit, &load, Some(&direction)),
-        Channel::new("torque_rate", unit, &torque_rate, None),
+        Channel::new("torque", unit, &ranks(&torque), None),
+        Channel::new("torque_by_direction", unit, &ranks(&load), Some(&direction)),
+        Channel::new("torque_rate", unit, &ranks(&torque_rate), None),
         Channel::new("time", unit, &time, None),
         Channel::new("time_by_direction", unit, &time, Some(&direction)),
         Channel::new("time_by_speed", unit, &time, Some(&speed)),
@@ -117,8 +117,8 @@ pub(super) fn channels(problem: &Problem, path: &Kept) -> Vec<Channel> {
         let field_rate = of(&|index, row| change(&|row| command(index, row).field_kv_mm, row));
         let braked: Rows =
             field.iter().zip(&direction).map(|(a, b)| a.iter().zip(b).map(|(a, b)| a * b).collect()).collect();
-        all.push(Channel::new("field_by_direction", unit, &field, Some(&direction)));
-        all.push(Channel::new("field_rate_by_direction", unit, &field_rate, Some(&direction)));
+        all.push(Channel::new("field_by_direction", unit, &ranks(&field), Some(&direction)));
+        all.push(Channel::new("field_rate_by_direction", unit, &ranks(&field_rate), Some(&direction)));
         all.push(Channel::new("time_by_field", unit, &time, Some(&braked)));
     }
     all

@@ -5,17 +5,15 @@ use std::ops::Range;
 use nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
+use crate::confidence_set::add_spread;
 use crate::hypothesis::{Hypothesis, Kept, columns};
-use crate::likelihood::filter::HUBER;
 use crate::problem::Problem;
-
-/// Blocks whose scores are taken to be correlated with a block's own (Newey and West 1987): half a second either way.
-const LAGS: usize = 2;
 
 /// What a hypothesis leaves, recordings one behind the other.
 pub(super) struct Left {
     residual: Vec<f64>,
     weight: Vec<f64>,
+    /// The columns of the hypothesis itself, each without those before it and scaled to squares that sum to one.
     own: Vec<Vec<f64>>,
     /// Row ranges of the blocks, one list a recording.
     blocks: Vec<Vec<Range<usize>>>,
@@ -34,27 +32,24 @@ pub(super) struct Tested {
 
 impl Left {
     pub(super) fn new(problem: &Problem, hypothesis: &Hypothesis, path: &Kept) -> Self {
-        let rows = || path.recordings.iter().map(|kept| &kept.innovations);
-        let pairs = || rows().flat_map(|found| found.whitened.iter().zip(&found.counted));
         let mut first = 0;
         let mut blocks = Vec::new();
-        for (index, found) in rows().enumerate() {
+        for (index, kept) in path.recordings.iter().enumerate() {
             blocks.push(problem.blocks[index].iter().map(|block| first + block.start..first + block.end).collect());
-            first += found.whitened.len();
+            first += kept.innovations.whitened.len();
         }
-        Self {
-            residual: pairs().map(|(whitened, _)| *whitened).collect(),
-            weight: pairs()
-                .map(|(whitened, counted)| if *counted { (HUBER / whitened.abs()).min(1.0) } else { 0.0 })
-                .collect(),
-            own: columns(problem, hypothesis, path).into_iter().flatten().map(|column| column.concat()).collect(),
-            blocks,
+        let (residual, weight) = path.weighted();
+        let mut left = Self { residual, weight, own: Vec::new(), blocks };
+        for column in columns(problem, hypothesis, path).into_iter().flatten() {
+            let found = left.beside_own(&column.concat());
+            left.own.extend(found.map(|(column, _)| column));
         }
+        left
     }
 
     /// Tests columns; none where the own ones hold them, or where there are too few blocks to say.
     pub(super) fn test(&self, new: &[Vec<f64>]) -> Option<Tested> {
-        let beside = self.beside_own(new);
+        let beside: Vec<Option<(Vec<f64>, f64)>> = new.iter().map(|column| self.beside_own(column)).collect();
         let found: Vec<&Vec<f64>> = beside.iter().flatten().map(|(column, _)| column).collect();
         let many = found.len();
         if many == 0 {
@@ -100,31 +95,23 @@ impl Left {
         rows.map(|row| self.weight[row] * one[row] * other[row]).sum()
     }
 
-    /// What the own columns leave of others, each scaled to squares that sum to one, with its scale; none of one that they hold.
-    fn beside_own(&self, new: &[Vec<f64>]) -> Vec<Option<(Vec<f64>, f64)>> {
-        let mut basis: Vec<Vec<f64>> = Vec::new();
+    /// What the own columns leave of another, scaled to squares that sum to one, with its scale; none where they hold it.
+    fn beside_own(&self, column: &[f64]) -> Option<(Vec<f64>, f64)> {
         let all = 0..self.residual.len();
-        // Gram and Schmidt, each column twice: once leaves what rounding makes of collinear ones.
-        let left = |column: &[f64], basis: &[Vec<f64>]| -> Option<(Vec<f64>, f64)> {
-            let before = self.dot(column, column, all.clone());
-            let mut column = column.to_vec();
-            for _ in 0..2 {
-                for one in basis {
-                    let by = self.dot(one, &column, all.clone());
-                    column.iter_mut().zip(one).for_each(|(value, one)| *value -= by * one);
-                }
+        let before = self.dot(column, column, all.clone());
+        let mut column = column.to_vec();
+        // Gram and Schmidt, twice: once leaves what rounding makes of collinear ones.
+        for _ in 0..2 {
+            for one in &self.own {
+                let by = self.dot(one, &column, all.clone());
+                column.iter_mut().zip(one).for_each(|(value, one)| *value -= by * one);
             }
-            let after = self.dot(&column, &column, all.clone());
-            // A column of which less than this is left is one of the others.
-            let scale = after.sqrt().recip();
-            (after > 1e-6 * before && scale.is_finite())
-                .then(|| (column.iter().map(|value| value * scale).collect(), scale))
-        };
-        for own in &self.own {
-            let found = left(own, &basis);
-            basis.extend(found.map(|(column, _)| column));
         }
-        new.iter().map(|column| left(column, &basis)).collect()
+        let after = self.dot(&column, &column, all);
+        // A column of which less than this is left is one of the others.
+        let scale = after.sqrt().recip();
+        (after > 1e-6 * before && scale.is_finite())
+            .then(|| (column.iter().map(|value| value * scale).collect(), scale))
     }
 
     /// Covariance of the score from that of its blocks about their mean, and the number of blocks that say something.
@@ -143,13 +130,7 @@ impl Left {
                         - &mean
                 })
                 .collect();
-            for (at, score) in scores.iter().enumerate() {
-                spread += score * score.transpose();
-                for lag in 1..=LAGS.min(at) {
-                    let cross = score * scores[at - lag].transpose();
-                    spread += (&cross + cross.transpose()) * (1.0 - lag as f64 / (LAGS + 1) as f64);
-                }
-            }
+            add_spread(&mut spread, &scores);
         }
         (spread * (blocks as f64 / (blocks as f64 - 1.0).max(1.0)), blocks)
     }

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use crate::likelihood::filter::{Driven, Innovations, Path, Prepared};
+use crate::likelihood::filter::{Driven, HUBER, Innovations, Path, Prepared};
 use crate::likelihood::inverse::{Motion, Residual};
 use crate::likelihood::{Acting, MissingTorque, Noise, Window};
 use crate::physics::Physics;
@@ -127,6 +127,15 @@ pub(crate) fn kept(problem: &Problem, physics: &Physics, noise: &[Noise], many: 
 }
 
 impl Kept {
+    /// The whitened innovation of every row and its weight in a regression, 0 where it does not count and Huber's else; recordings one
+    /// behind the other.
+    pub(crate) fn weighted(&self) -> (Vec<f64>, Vec<f64>) {
+        let rows = self.recordings.iter().map(|kept| &kept.innovations);
+        let pairs = rows.flat_map(|found| found.whitened.iter().zip(&found.counted));
+        let weight = |whitened: f64, counted: bool| if counted { (HUBER / whitened.abs()).min(1.0) } else { 0.0 };
+        pairs.map(|(whitened, counted)| (*whitened, weight(*whitened, *counted))).unzip()
+    }
+
     /// Log-likelihood of the recordings.
     pub(crate) fn log_likelihood(&self) -> f64 {
         self.recordings.iter().flat_map(|kept| &kept.innovations.log_likelihood).sum()

@@ -7,7 +7,6 @@ use rayon::prelude::*;
 
 use crate::effects::{Columns, Effect, Excitation};
 use crate::hypothesis::{Entry, Hypothesis, Kept, columns, evaluate};
-use crate::likelihood::filter::HUBER;
 use crate::problem::Problem;
 
 use seek::seek;
@@ -87,13 +86,7 @@ struct Base {
 
 impl Base {
     fn new(path: &Kept, own: Vec<Vec<Vec<f64>>>) -> Self {
-        let of = |take: &dyn Fn(f64, bool) -> f64| -> Vec<f64> {
-            let rows =
-                path.recordings.iter().flat_map(|kept| kept.innovations.whitened.iter().zip(&kept.innovations.counted));
-            rows.map(|(whitened, counted)| take(*whitened, *counted)).collect()
-        };
-        let residual = of(&|whitened, _| whitened);
-        let weight = of(&|whitened, counted| if counted { (HUBER / whitened.abs()).min(1.0) } else { 0.0 });
+        let (residual, weight) = path.weighted();
         let own: Vec<Vec<f64>> = own.into_iter().map(|column| column.concat()).collect();
         let many = own.len();
         let mut base =

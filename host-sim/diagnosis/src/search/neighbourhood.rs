@@ -1,6 +1,6 @@
 //! Backward elimination: what is not missed goes, and what may stand in the place of each entry is looked at.
 
-use crate::confidence_set::{Comparison, Step, compare, excluded};
+use crate::confidence_set::{Comparison, LEVEL_OF_THE_SET, Step, compare, excluded};
 use crate::effects::Effect;
 use crate::hypothesis::{Refitted, refit};
 use crate::problem::Problem;
@@ -146,17 +146,16 @@ impl<'a> Neighbourhood<'a> {
     /// better.
     fn preferred(&mut self, found: &[Step], comparisons: &[Comparison]) -> Option<usize> {
         let freedom = self.best.assessed.freedom();
-        let mut excluded = excluded(comparisons).into_iter();
-        let simpler = found.iter().position(|rival| {
-            let excluded = excluded.next().unwrap_or(true);
-            !excluded && rival.may_be_named() && rival.assessed.freedom() < freedom
-        });
+        let simpler = found
+            .iter()
+            .zip(excluded(comparisons))
+            .position(|(rival, excluded)| !excluded && rival.may_be_named() && rival.assessed.freedom() < freedom);
         if simpler.is_some() || self.swaps == MOST_SWAPS {
             return simpler;
         }
         let (own, problem) = (priced(self.problem, &self.best), self.problem);
         let better = |rival: &Step| {
-            let certainly = || excluded_one(compare(problem, rival, &self.best));
+            let certainly = || compare(problem, rival, &self.best).p_value() < LEVEL_OF_THE_SET;
             let last = rival.assessed.refitted.hypothesis.entries.len() - 1;
             let apart = rival.assessed.away_from_neutral(problem, last);
             rival.may_be_named() && apart && priced(problem, rival) > own && certainly()
@@ -165,9 +164,4 @@ impl<'a> Neighbourhood<'a> {
         self.swaps += usize::from(better.is_some());
         better
     }
-}
-
-/// Whether that comparison by itself excludes the other one.
-fn excluded_one(comparison: Comparison) -> bool {
-    excluded(&[comparison])[0]
 }

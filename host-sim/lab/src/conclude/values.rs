@@ -1,6 +1,6 @@
 //! Values beside those of the answer: what the alternatives have, and how the errors of the answer's own go together.
 
-use diagnosis::confidence_set::Assessed;
+use diagnosis::confidence_set;
 use diagnosis::hypothesis::Entry;
 use diagnosis::pipeline::Conclusion;
 use diagnosis::problem::Problem;
@@ -49,7 +49,7 @@ pub(super) fn correlation(conclusion: &Conclusion, axis: AxisKind) -> Option<Cor
         let id = named.effect.id;
         let id = if again > 0 { format!("{id}#{}", again + 1) } else { id.to_owned() };
         let kinds = vocabulary::effect(named.effect.id).map_or(&[][..], |kind| kind.parameters);
-        for (kind, slopes_of_value) in kinds.iter().zip(self::slopes(best, at)) {
+        for (kind, slopes_of_value) in kinds.iter().zip(confidence_set::slopes(best, at)) {
             names.push(format!("{id}.{}", kind.id(axis)));
             slopes.push(slopes_of_value);
         }
@@ -76,35 +76,6 @@ fn of_slopes(names: &[String], slopes: &[Vec<f64>], covariance: &DMatrix<f64>) -
         values: known.iter().map(|&value| names[value].clone()).collect(),
         matrix: known.iter().map(|&one| known.iter().map(|&other| of(one, other)).collect()).collect(),
     })
-}
-
-/// For each reported value of an entry its slope over every free value of the hypothesis.
-fn slopes(best: &Assessed, at: usize) -> Vec<Vec<f64>> {
-    let entry = &best.refitted.hypothesis.entries[at];
-    let free = best.refitted.hypothesis.free();
-    let mut slopes = vec![vec![0.0; free.len()]; (entry.effect.report)(&entry.values).len()];
-    for (place, &(_, index)) in free.iter().enumerate().filter(|(_, (of, _))| *of == at) {
-        // A tenth of a standard deviation either way: the report is smooth on that scale.
-        let by = 0.1 * best.covariance[(place, place)].max(f64::MIN_POSITIVE).sqrt();
-        let moved = |by: f64| {
-            let mut values = entry.values.clone();
-            values[index] += by;
-            (entry.effect.report)(&values)
-        };
-        for (value, (up, down)) in moved(by).iter().zip(moved(-by)).enumerate() {
-            slopes[value][place] = wrapped(up - down) / (2.0 * by);
-        }
-    }
-    slopes
-}
-
-/// A phase that passes pi by a small step is no jump.
-fn wrapped(difference: f64) -> f64 {
-    if difference.abs() > std::f64::consts::PI {
-        difference - std::f64::consts::TAU.copysign(difference)
-    } else {
-        difference
-    }
 }
 
 #[cfg(test)]

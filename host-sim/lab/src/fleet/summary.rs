@@ -6,7 +6,7 @@ use super::Row;
 use crate::Error;
 use crate::output::Provenance;
 use crate::prove::page::{document, escape, section, table};
-use crate::prove::text::Table;
+use crate::prove::text::{Table, aligned};
 use crate::report::html::{estimate, interval};
 use crate::report::{EffectAnswer, Interval};
 
@@ -40,17 +40,8 @@ impl Summary {
 
     /// For a terminal; parts without a row are left out.
     pub fn text(&self) -> String {
-        let part = |(title, (head, rows)): (&str, &Table)| {
-            let head: Vec<String> = head.iter().map(|&cell| cell.to_owned()).collect();
-            let lines: Vec<&Vec<String>> = std::iter::once(&head).chain(rows).collect();
-            let widths: Vec<usize> = (0..head.len())
-                .map(|at| lines.iter().map(|line| line[at].chars().count()).max().unwrap_or(0))
-                .collect();
-            let line = |cells: &&Vec<String>| {
-                let padded = cells.iter().zip(&widths).map(|(cell, &width)| format!("{cell:width$}"));
-                format!("  {}\n", padded.collect::<Vec<_>>().join("  ").trim_end())
-            };
-            format!("{title}\n{}", lines.iter().map(line).collect::<String>())
+        let part = |(title, table): (&str, &Table)| {
+            format!("{title}\n{}", aligned(table).lines().map(|line| format!("  {line}\n")).collect::<String>())
         };
         let parts = self.parts().into_iter().filter(|(_, (_, rows))| !rows.is_empty());
         parts.map(part).collect::<Vec<_>>().join("\n")
@@ -93,13 +84,13 @@ impl Summary {
 }
 
 fn verdicts(rows: &[Row]) -> Table {
-    let mut counts: BTreeMap<String, usize> = BTreeMap::new();
+    let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
     for answer in rows.iter().filter_map(Row::answer) {
-        *counts.entry(super::table::name(answer.verdict)).or_default() += 1;
+        *counts.entry(answer.verdict.name()).or_default() += 1;
     }
     (
         vec!["verdict", "diagnoses"],
-        counts.into_iter().map(|(verdict, count)| vec![verdict, count.to_string()]).collect(),
+        counts.into_iter().map(|(verdict, count)| vec![verdict.to_owned(), count.to_string()]).collect(),
     )
 }
 

@@ -7,7 +7,7 @@ use super::manifest::Task;
 use crate::Error;
 use crate::output::{Output, Outputs};
 use crate::read::{Cells, Table};
-use crate::report::{Answer, Verdict};
+use crate::report::Answer;
 
 /// One diagnosis that was tried.
 #[derive(Debug, Clone, PartialEq)]
@@ -41,7 +41,7 @@ impl Row {
             recordings,
             holdout,
             error,
-            of(&|answer| name(answer.verdict)),
+            of(&|answer| answer.verdict.name().to_owned()),
             of(&ids),
             of(&|answer| answer.fit.unit.clone()),
             of(&|answer| answer.warnings.join("\n")),
@@ -56,11 +56,6 @@ impl Row {
             [fit.heldout_before_rms, fit.heldout_after_rms, fit.heldout_floor_rms, fit.excess_explained]
         })
     }
-}
-
-/// A verdict as in the answer.
-pub(super) fn name(verdict: Verdict) -> String {
-    format!("{verdict:?}").to_lowercase()
 }
 
 /// Columns of text, in the order of [`Row::texts`].

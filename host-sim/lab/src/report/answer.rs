@@ -22,6 +22,18 @@ pub enum Verdict {
 }
 
 impl Verdict {
+    /// As in the JSON.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::None => "none",
+            Self::Named => "named",
+            Self::Ambiguous => "ambiguous",
+            Self::Partial => "partial",
+            Self::Unknown => "unknown",
+            Self::Controller => "controller",
+        }
+    }
+
     /// Whether the effects of the answer are believed; else they are what a fit took for want of something better.
     pub fn believes_its_effects(self) -> bool {
         match self {

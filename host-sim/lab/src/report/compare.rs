@@ -2,6 +2,7 @@
 
 use std::fmt::{Display, Formatter};
 
+use diagnosis::confidence_set::TWO_SIDED_95;
 use diagnosis::windows::HORIZONS_S;
 use plant::Model;
 
@@ -16,8 +17,6 @@ use crate::residual::{Bin, Channel, Map, Orders, Residual, Window, residual, sen
 pub const HORIZON_S: f64 = HORIZONS_S[0];
 /// the longer ones are so many times that.
 const LONGER: f64 = HORIZONS_S[1] / HORIZONS_S[0];
-/// Standard normal deviate of a 95 % interval.
-const TWO_SIDED_95: f64 = 1.959_964;
 /// Windows named as the worst.
 const WORST: usize = 5;
 

@@ -1,5 +1,6 @@
 //! What the page draws.
 
+use diagnosis::confidence_set::TWO_SIDED_95;
 use serde::Serialize;
 
 use super::maps::{self, MapPlot};
@@ -13,8 +14,6 @@ use crate::residual::Residual;
 
 /// Rows drawn of all recordings together: a page of some 2 MB that a browser zooms without delay.
 const ROWS: usize = 60_000;
-/// Standard normal deviate of a 95 % band.
-const TWO_SIDED_95: f64 = 1.959_964;
 /// Rows drawn of one recording, at least.
 const ROWS_OF_ONE: usize = 4000;
 

@@ -41,7 +41,7 @@ const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; script-src 
 /// [`Error::Usage`] where the curves are no JSON, which numbers and names always are.
 pub fn page(machine: &str, answer: &Answer, plot: &PlotData, made: &Provenance) -> Result<String, Error> {
     let data = escape::json(plot).map_err(|error| Error::Usage(format!("the page's data: {error}")))?;
-    let verdict = format!("{:?}", answer.verdict).to_lowercase();
+    let verdict = answer.verdict.name();
     let names: Vec<&str> = plot.recordings.iter().map(|recording| recording.name.as_str()).collect();
     let [machine, names, sentence] = [machine, &names.join(", "), &words::sentence(answer)].map(escape::text);
     let sections = sections(answer, plot, made);

@@ -1,6 +1,7 @@
 //! What is left of each sample, looked at as noise: its autocorrelation, spectrum and histogram, each with the band in which noise
 //! alone would be.
 
+use diagnosis::confidence_set::TWO_SIDED_95;
 use rustfft::FftPlanner;
 use rustfft::num_complex::Complex;
 use serde::Serialize;
@@ -24,8 +25,6 @@ const REACH: f64 = 5.0;
 const BINS_OF_ONE: f64 = 4.0;
 /// Recordings whose usual steps differ by less than this share are sampled alike.
 const ALIKE: f64 = 0.01;
-/// Standard normal deviate of a 95 % band.
-const TWO_SIDED_95: f64 = 1.959_964;
 
 /// A curve of what both machines leave, with the band of noise alone.
 #[derive(Debug, Clone, PartialEq, Serialize)]
