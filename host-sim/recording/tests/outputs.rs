@@ -88,6 +88,14 @@ fn what_cannot_be_written_is_known_first_and_leaves_nothing() {
     assert_eq!(names, ["file"], "neither folders nor temporary files stay");
 }
 
+/// Rights do not stop root, who runs tests in containers; the kernel's own folder takes files from nobody.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_folder_that_takes_no_file_is_known_before_the_computing() {
+    refused(Path::new("/proc"), &[], &["answer.json"], "answer.json: cannot write: ");
+    refused(Path::new("/proc"), &[], &["new/answer.json"], "new/answer.json: cannot write: ");
+}
+
 #[test]
 fn all_outputs_appear_or_none() {
     let folder = tempfile::tempdir().unwrap();
