@@ -24,6 +24,9 @@ const POOR: [f64; 2] = [4.0, 20.0];
 const OWN_SHARE: f64 = 0.03;
 /// A nominal parameter that is off, by this share (diagnosis.md).
 const OFF: f64 = 0.05;
+/// Least detectable size, as a share of the drive's torque or of what goes with it (of 20 ms for a delay): what docs/method.md states
+/// as the smallest that is of use. Where noise is small the information alone would ask for a delay to a microsecond.
+const LEAST: f64 = 1e-3;
 /// Rounds of the search for a size; it doubles its digits in each where information goes with the square.
 const ROUNDS: usize = 10;
 
@@ -200,10 +203,17 @@ impl Search<'_> {
         Some((columns, told.min(matters)))
     }
 
-    /// The size at which the effect can just be told.
+    /// The size at which the effect can just be told and is of use.
     fn size(&self, source: Source, shape: Shape) -> Option<Sized> {
+        match self.weigh(source, LEAST, &shape) {
+            Some((columns, excess)) if excess >= 1.0 => Some(Sized { source, shape, detectable: LEAST, columns }),
+            _ => self.size_above_least(source, shape),
+        }
+    }
+
+    fn size_above_least(&self, source: Source, shape: Shape) -> Option<Sized> {
         let mut size: f64 = 0.02;
-        let (mut low, mut high) = (1e-7_f64, 4.0_f64);
+        let (mut low, mut high) = (LEAST, 4.0_f64);
         for _ in 0..ROUNDS {
             let Some((columns, excess)) = self.weigh(source, size, &shape) else {
                 // Not a machine any more: smaller.
@@ -224,7 +234,7 @@ impl Search<'_> {
             }
             let next = size * excess.max(1e-6).powf(-0.5).clamp(1e-2, 30.0);
             size = if low < next && next < high { next } else { (low * high).sqrt() };
-            if size < 1e-6 || low > 2.0 {
+            if low > 2.0 {
                 return None;
             }
         }
