@@ -39,6 +39,8 @@ pub fn build() -> Result<Image, String> {
     let mut command = toolchain.cargo(&root, &target_dir, &["build", "--release", "--bin", "er-servo"]);
     // Calls across crates in the tick cost some 100 instructions; not in the manifest, where every host build would pay.
     command.env("CARGO_PROFILE_RELEASE_LTO", "fat");
+    // The log's places in the source; on the host, they would make every program of tests ten times the size.
+    command.env("CARGO_PROFILE_RELEASE_DEBUG", "line-tables-only");
     run(command)?;
     let elf = target_dir.join(TARGET).join("release/er-servo");
     let image = Image::read(elf)?;
