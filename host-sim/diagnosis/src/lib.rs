@@ -19,6 +19,7 @@ pub mod pipeline;
 pub mod problem;
 pub mod ranking;
 pub mod recorded;
+pub mod repetition;
 pub mod score;
 pub mod search;
 pub mod separation;

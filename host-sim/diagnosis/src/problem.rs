@@ -9,6 +9,7 @@ use crate::likelihood::inverse::Motion;
 use crate::likelihood::{Acting, Grid, Lately, Rounding};
 use crate::physics::Physics;
 use crate::recorded::Recorded;
+use crate::repetition::Repetition;
 use crate::work::Work;
 
 /// Recordings to fit and to hold out, with the nominal machine.
@@ -285,6 +286,7 @@ fn excitation(recordings: &[Recorded], fitted: usize, linear: bool) -> Excitatio
         excitation.period_s = excitation.period_s.max(recorded.period_s());
     }
     excitation.torque_rms = (squares / f64::from(rows.max(1) as u32)).sqrt();
+    excitation.repetitions = recordings.iter().filter_map(Repetition::of).collect();
     excitation
 }
 

@@ -48,6 +48,7 @@ mod size;
 use plant::effects::{Harmonic, Pulse};
 
 use crate::physics::{Physics, Tone};
+use crate::repetition::Repetition;
 
 pub use nuisances::NUISANCES;
 pub use size::Size;
@@ -140,6 +141,8 @@ pub struct Excitation {
     pub pulses: Vec<(usize, Pulse, f64)>,
     /// Tones that stand out of the residual, best first.
     pub tones: Vec<Tone>,
+    /// Of the recordings whose motion repeats itself.
+    pub repetitions: Vec<Repetition>,
     /// Orders, frequencies and places in time that were looked at.
     pub looked_at: [f64; 3],
     /// Share and size of isolated samples that stand out, if there are any.

@@ -2,15 +2,19 @@
 
 use plant::effects::Stribeck;
 
-use super::{Effect, PLAIN, Size, sized};
+use super::{Effect, PLAIN, Parameter, Size, sized};
+
+/// Up to a quarter of the largest speed: mixed lubrication ends at a small share of a machine's speed (Armstrong-Hélouvry, Dupont
+/// and Canudas de Wit 1994: 1e-5 to 0.1 m/s); a curve that bends over all of it is another friction.
+const VELOCITY: Parameter = sized(Size::Speed, 1e-3, 0.25, 0.02);
 
 /// The entry of the vocabulary.
 pub static EFFECT: Effect = Effect {
     id: "stribeck_friction",
     sentence: "Friction rises towards standstill (Stribeck): boundary lubrication in bearings and seals.",
-    parameters: &[sized(Size::Torque, 0.0, 1e2, 0.05), sized(Size::Speed, 1e-3, 1.0, 0.02)],
+    parameters: &[sized(Size::Torque, 0.0, 1e2, 0.05), VELOCITY],
     starts: |_, e| {
-        [0.01, 0.03, 0.1, 0.3].iter().map(|&v| vec![0.05 * e.torque_rms, v * e.speed_peak.max(1e-3)]).collect()
+        [0.01, 0.03, 0.1, 0.2].iter().map(|&v| vec![0.05 * e.torque_rms, v * e.speed_peak.max(1e-3)]).collect()
     },
     put: |p, v| p.model.stribeck = Some(Stribeck { excess: v[0], velocity: v[1] }),
     ..PLAIN

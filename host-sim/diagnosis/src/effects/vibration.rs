@@ -14,7 +14,9 @@ pub static EFFECT: Effect = Effect {
             let phasors = tone.phasors.iter().flat_map(|&(sine, cosine)| [sine, cosine]);
             std::iter::once(tone.frequency_hz).chain(phasors).collect()
         };
-        e.tones.iter().map(values).collect()
+        // Where the motion repeats itself, so does all that depends on the state.
+        let own = |tone: &&Tone| !e.repetitions.iter().any(|motion| motion.has_harmonic(tone.frequency_hz));
+        e.tones.iter().filter(own).map(values).collect()
     },
     put: |p, v| {
         p.tone =
