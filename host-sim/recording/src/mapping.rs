@@ -236,6 +236,14 @@ impl Mapping {
         &self.0
     }
 
+    /// The unit of the effort where it is a current or a voltage and nobody has said what one makes: its scale is 1 or -1.
+    pub fn unscaled_effort(&self) -> Option<&str> {
+        let effort = self.0.iter().find(|mapped| mapped.column == Column::EffortCmd)?;
+        let quantity = units::measure(&effort.unit)?.quantity;
+        let electric = matches!(quantity, Quantity::Current | Quantity::Voltage);
+        (electric && effort.scale.abs() == 1.0).then_some(effort.unit.as_str())
+    }
+
     /// Whether logs have the format's own columns.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()

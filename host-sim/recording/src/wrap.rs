@@ -1,5 +1,7 @@
 //! Positions that a drive keeps within a range: where they leave it at one end they come in at the other.
 
+use super::mapping::Reading;
+
 /// A jump is over this part of the travel, for it is from one end to the other,
 const OF_TRAVEL: f64 = 0.8;
 /// and no other change is over this part: the axis is not that fast. A range is passed in ten rows or more.
@@ -63,6 +65,11 @@ pub fn wrap(positions: &[f64]) -> Option<Wrap> {
 }
 
 impl Wrap {
+    /// Positions as if they counted on.
+    pub fn undo(&self, positions: &mut [f64]) {
+        Reading { factor: 1.0, wrap: Some(self.width) }.apply(positions, 0.0);
+    }
+
     /// The width in a unit of which one is `factor`: the number a drive has as its range, which is round in that unit or a whole
     /// number of revolutions, where one is near enough.
     pub fn width_in(&self, factor: f64) -> f64 {
