@@ -98,6 +98,14 @@ fn a_velocity_that_contradicts_the_position_is_said() {
     assert!(!looked.contains("velocity"), "{looked}");
     let looked = lab(folder.path(), &["doctor", "half.csv"]);
     assert!(looked.contains("BAD   velocity") && looked.contains("moves 2.0"), "{looked}");
+    // A shake that is over within a stretch, of which little is left on average.
+    let shake = |now: [f64; 3], _: [f64; 3]| {
+        let phase = 100.0 * now[0];
+        vec![stepped(0.02 * phase.sin()), 0.02 * 100.0 * now[1] * phase.cos(), now[2]]
+    };
+    fs::write(folder.path().join("shake.csv"), log(columns, 0.3, shake)).unwrap();
+    let looked = lab(folder.path(), &["doctor", "shake.csv"]);
+    assert!(!looked.contains("velocity"), "{looked}");
     let printed = lab(folder.path(), &["init", "half.csv"]);
     assert!(printed.contains("note: half.csv: the position moves 2.0"), "{printed}");
 }
