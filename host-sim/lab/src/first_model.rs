@@ -27,16 +27,24 @@ const GRAVITY_TRAVEL_RAD: f64 = 0.5;
 /// Two standard errors of windows that overlap by half: 95 %.
 const INTERVAL: f64 = 2.0 * std::f64::consts::SQRT_2;
 
+/// A log moves in one direction only where fewer of its windows than this share go the other way.
+const OTHER_WAY: f64 = 0.02;
+
 /// A value and half the width of its 95 % interval.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Value {
-    /// In the unit of the machine file.
+    /// In the unit of the machine file; of what was left out, as the whole balance had it.
     pub value: f64,
     /// Half the width, as long as the balance holds; infinite where nothing tells.
     pub within: f64,
+    /// Whether it stayed in the balance: it is told, is no friction that drives, and is no larger than the effort.
+    pub kept: bool,
 }
 
 impl Value {
+    /// Of what nothing tells.
+    const NONE: Self = Self { value: 0.0, within: f64::INFINITY, kept: false };
+
     /// Whether the interval is narrower than the value.
     pub fn is_known(self) -> bool {
         self.within < self.value.abs()
@@ -48,7 +56,7 @@ impl Value {
 pub struct FirstModel {
     /// kg m2 (kg).
     pub inertia: Value,
-    /// N m (N).
+    /// N m (N). Where the motion is in one direction only, friction and offset together.
     pub coulomb: Value,
     /// N m s/rad (N s/m).
     pub viscous: Value,
@@ -58,28 +66,64 @@ pub struct FirstModel {
     pub gravity: Option<(Value, f64)>,
     /// Share of the effort the balance explains, 0 to 1.
     pub explained: f64,
+    /// Mean square of what is left, (N m)^2 (N^2).
+    pub left: f64,
+    /// How many windows were fitted, and their length, s.
+    pub windows: (usize, f64),
     /// Whether the effort has the opposite sign of the acceleration it makes.
     pub reversed: bool,
+    /// Whether the motion is in one direction only: friction and offset cannot be told apart.
+    pub one_way: bool,
+}
+
+/// Terms of the balance beside the inertia, as [`Window::others`] has them.
+mod term {
+    pub(super) const CONSTANT: usize = 0;
+    pub(super) const DIRECTION: usize = 1;
+    pub(super) const SPEED: usize = 2;
+    pub(super) const POSITION: usize = 3;
+    pub(super) const SINE: usize = 4;
+    pub(super) const COSINE: usize = 5;
 }
 
 /// One solution of the balance.
 struct Fit {
+    /// Terms beside the inertia.
+    others: Vec<usize>,
+    /// Of the inertia, then of each term.
     values: Vec<Value>,
     /// Weighted mean square that is left.
     left: f64,
     explained: f64,
 }
 
+impl Fit {
+    /// The value of a term; none where it is not in the balance.
+    fn of(&self, term: usize) -> Option<Value> {
+        self.others.iter().position(|other| *other == term).map(|place| self.values[place + 1])
+    }
+
+    /// Amplitude of gravity, where it is known well.
+    fn gravity(&self) -> Option<Value> {
+        let (sine, cosine) = (self.of(term::SINE)?, self.of(term::COSINE)?);
+        let (value, within) = (sine.value.hypot(cosine.value), sine.within.max(cosine.within));
+        (value > GRAVITY_SURE * within).then_some(Value { value, within, kept: true })
+    }
+}
+
 /// The first model of the machine of these recordings; none where nothing moves enough to tell anything.
 pub fn first_model(axis: &Axis, recordings: &[Recording]) -> Option<FirstModel> {
-    let machine = neutral(axis);
-    let fits = LENGTHS_S.into_iter().filter_map(|length_s| {
-        let of = |recording: &Recording| windows(&machine, recording, median_period_s(&recording.t_s), length_s);
-        let windows: Vec<Window> = recordings.iter().flat_map(of).collect();
-        balance(axis, recordings, &windows)
-    });
+    let fits = LENGTHS_S.into_iter().filter_map(|length_s| first_model_of(axis, recordings, length_s));
     let doubt = |model: &FirstModel| model.inertia.within / model.inertia.value.abs();
     fits.min_by(|one, other| doubt(one).total_cmp(&doubt(other)))
+}
+
+/// The first model by windows of one length.
+pub fn first_model_of(axis: &Axis, recordings: &[Recording], length_s: f64) -> Option<FirstModel> {
+    let machine = neutral(axis);
+    let of = |recording: &Recording| windows(&machine, recording, median_period_s(&recording.t_s), length_s);
+    let windows: Vec<Window> = recordings.iter().flat_map(of).collect();
+    balance(axis, recordings, &windows, length_s)
 }
 
 /// A machine that does to the effort nothing.
@@ -106,42 +150,112 @@ fn neutral(axis: &Axis) -> Machine {
     }
 }
 
-/// The balance of these windows, with gravity where it belongs there.
-fn balance(axis: &Axis, recordings: &[Recording], windows: &[Window]) -> Option<FirstModel> {
-    // Of `others`: a constant, direction, speed, (position,) sine and cosine of the position.
-    let plain = fit(windows, &[0, 1, 2])?;
-    let turns = recordings.iter().any(|recording| {
-        let (low, high) =
-            recording.position.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), position| {
-                (low.min(*position), high.max(*position))
-            });
-        high - low > GRAVITY_TRAVEL_RAD
-    });
-    let with_gravity = (axis.kind == AxisKind::Rotary && turns).then(|| fit(windows, &[0, 1, 2, 4, 5])).flatten();
-    let sure = |fit: &Fit| {
-        let (sine, cosine) = (fit.values[4], fit.values[5]);
-        sine.value.hypot(cosine.value) > GRAVITY_SURE * sine.within.max(cosine.within)
+/// The balance of these windows: of all terms, with gravity where it belongs there, without what nothing tells.
+fn balance(axis: &Axis, recordings: &[Recording], windows: &[Window], length_s: f64) -> Option<FirstModel> {
+    let one_way = is_one_way(windows);
+    let without_direction = |terms: &[usize]| -> Vec<usize> {
+        terms.iter().copied().filter(|term| !(one_way && *term == term::DIRECTION)).collect()
     };
-    let with_gravity = with_gravity.filter(|fit| fit.left < (1.0 - GRAVITY_EXPLAINS) * plain.left && sure(fit));
-    let best = with_gravity.as_ref().unwrap_or(&plain);
-    let reversed = best.values[0].value < 0.0 && best.values[0].is_known();
-    let sign = if reversed { -1.0 } else { 1.0 };
-    let value = |index: usize| Value { value: sign * best.values[index].value, ..best.values[index] };
-    let gravity = with_gravity.as_ref().map(|_| {
-        let (sine, cosine) = (value(4), value(5));
-        let amplitude = Value { value: sine.value.hypot(cosine.value), within: sine.within.max(cosine.within) };
-        (amplitude, cosine.value.atan2(sine.value))
-    });
-    let offset = Value { value: -value(1).value, ..value(1) };
+    let turns =
+        axis.kind == AxisKind::Rotary && recordings.iter().any(|recording| travel(recording) > GRAVITY_TRAVEL_RAD);
+    use term::{CONSTANT, COSINE, DIRECTION, POSITION, SINE, SPEED};
+    let plain = fit(windows, &without_direction(&[CONSTANT, DIRECTION, SPEED]))?;
+    let mut best = plain;
+    // Over a short way gravity and an offset look alike; then gravity is tried alone.
+    for terms in [&[CONSTANT, DIRECTION, SPEED, SINE, COSINE][..], &[DIRECTION, SPEED, SINE, COSINE]] {
+        let with_gravity = if turns { fit(windows, &without_direction(terms)) } else { None };
+        let belongs = |fit: &Fit| fit.left < (1.0 - GRAVITY_EXPLAINS) * best.left && fit.gravity().is_some();
+        if let Some(fit) = with_gravity.filter(belongs) {
+            best = fit;
+            break;
+        }
+    }
+    // Gravity, a spring or another body may look like an inertia of the wrong sign: with all of them it must still be one, and no
+    // machine gives back more work than it was given.
+    let all: &[usize] = if turns {
+        &[CONSTANT, DIRECTION, SPEED, POSITION, SINE, COSINE]
+    } else {
+        &[CONSTANT, DIRECTION, SPEED, POSITION]
+    };
+    let is_negative = |fit: &Fit| fit.values[0].value < 0.0 && fit.values[0].is_known();
+    let whole = fit(windows, &without_direction(all));
+    let reversed = is_negative(&best) && whole.is_some_and(|fit| is_negative(&fit)) && work(recordings) < 0.0;
+    let largest =
+        recordings.iter().flat_map(|recording| &recording.effort_cmd).fold(0.0, |most: f64, e| most.max(e.abs()));
+    let settled = settled(windows, best, if reversed { -1.0 } else { 1.0 }, largest)?;
+    Some(FirstModel { one_way, windows: (windows.len(), length_s), reversed, ..settled })
+}
+
+/// The balance without the terms that nothing tells, or that cannot be: each is left out by itself, the least known first, for it
+/// may have spoilt the others.
+fn settled(windows: &[Window], whole: Fit, sign: f64, largest: f64) -> Option<FirstModel> {
+    let fastest = windows.iter().fold(0.0, |most: f64, window| most.max(window.speed.abs()));
+    let droppable = [term::CONSTANT, term::DIRECTION, term::SPEED];
+    let doubt = |term: usize, value: Value| {
+        let drives = term != term::CONSTANT && sign * value.value < 0.0;
+        let share = if term == term::SPEED { fastest } else { 1.0 };
+        let beyond = value.value.abs() * share > largest;
+        if drives || beyond { f64::INFINITY } else { value.within / value.value.abs() }
+    };
+    let mut dropped: Vec<(usize, Value)> = Vec::new();
+    let mut best = whole;
+    while let Some((_, term, value)) = droppable
+        .into_iter()
+        .filter_map(|term| best.of(term).map(|value| (doubt(term, value), term, value)))
+        .filter(|(doubt, _, _)| *doubt >= 1.0 || doubt.is_nan())
+        .max_by(|one, other| one.0.total_cmp(&other.0))
+    {
+        let others: Vec<usize> = best.others.iter().copied().filter(|other| *other != term).collect();
+        let Some(next) = fit(windows, &others) else { break };
+        dropped.push((term, value));
+        best = next;
+    }
+    let value = |term: usize| {
+        let kept = best.of(term);
+        let left_out = || dropped.iter().find(|(of, _)| *of == term).map(|(_, value)| Value { kept: false, ..*value });
+        let value = kept.or_else(left_out).unwrap_or(Value::NONE);
+        Value { value: sign * value.value, ..value }
+    };
+    let offset = value(term::CONSTANT);
+    let gravity = best.gravity().map(|amplitude| (amplitude, value(term::COSINE).value.atan2(value(term::SINE).value)));
     Some(FirstModel {
-        inertia: value(0),
-        coulomb: value(2),
-        viscous: value(3),
-        offset,
+        inertia: Value { value: sign * best.values[0].value, ..best.values[0] },
+        coulomb: value(term::DIRECTION),
+        viscous: value(term::SPEED),
+        offset: Value { value: -offset.value, ..offset },
         gravity,
         explained: best.explained,
-        reversed,
+        left: best.left,
+        windows: (windows.len(), 0.0),
+        reversed: false,
+        one_way: false,
     })
+}
+
+fn is_one_way(windows: &[Window]) -> bool {
+    let forward = windows.iter().filter(|window| window.speed > 0.0).count();
+    (forward.min(windows.len() - forward) as f64) < OTHER_WAY * windows.len() as f64
+}
+
+fn travel(recording: &Recording) -> f64 {
+    let (low, high) = recording
+        .position
+        .iter()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), position| (low.min(*position), high.max(*position)));
+    high - low
+}
+
+/// What the effort did to the motion, N m rad (N m).
+fn work(recordings: &[Recording]) -> f64 {
+    let of = |recording: &Recording| -> f64 {
+        recording
+            .position
+            .windows(2)
+            .zip(&recording.effort_cmd)
+            .map(|(pair, effort)| effort * (pair[1] - pair[0]))
+            .sum()
+    };
+    recordings.iter().map(of).sum()
 }
 
 /// Least squares of the effort over the acceleration and these of the other terms; windows that do not fit count less.
@@ -173,11 +287,16 @@ fn fit(windows: &[Window], others: &[usize]) -> Option<Fit> {
     let variance = left / (total - unknowns as f64).max(1.0);
     let values = factors.iter().enumerate().map(|(index, value)| {
         let within = INTERVAL * (variance * inverse[(index, index)]).max(0.0).sqrt() / sizes[index];
-        Value { value: *value, within: if within.is_finite() { within } else { f64::INFINITY } }
+        Value { value: *value, within: if within.is_finite() { within } else { f64::INFINITY }, kept: true }
     });
     let values: Vec<Value> = values.collect();
     let explained = if spread > 0.0 { (1.0 - left / spread).max(0.0) } else { 0.0 };
-    values.iter().all(|value| value.value.is_finite()).then_some(Fit { values, left: left / total, explained })
+    values.iter().all(|value| value.value.is_finite()).then_some(Fit {
+        others: others.to_vec(),
+        values,
+        left: left / total,
+        explained,
+    })
 }
 
 /// The factors of the columns by weighted least squares, and the inverse of the normal matrix of the columns brought to one

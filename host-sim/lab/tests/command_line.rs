@@ -279,7 +279,9 @@ fn columns_the_format_does_not_know_and_missing_rows_are_reported() {
             "{text}"
         );
         assert!(
-            text.contains("note: noted.csv: rows are missing in 1 places, the first after t_s = 0.024\n"),
+            text.contains(
+                "note: noted.csv: rows are missing in 1 places, the first after row 49, 0.024 s after the start\n"
+            ),
             "{text}"
         );
     }

@@ -1,5 +1,6 @@
 //! Columns of a recording: their names on each kind of axis, and the header made sense of.
 
+use super::mapping::Reading;
 use super::nearest::{misspelt, quoted};
 use super::units::{self, Quantity};
 use super::{AxisKind, MappedColumn, Mapping};
@@ -124,8 +125,8 @@ pub(crate) struct HeaderColumn {
 /// What a column of a file is.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Role {
-    /// A column of the format, in units of this.
-    Known(Column, f64),
+    /// A column of the format, and how its numbers are read.
+    Known(Column, Reading),
     /// One the format does not know, kept as text.
     Other,
     /// One that a mapping does not name, not read.
@@ -172,7 +173,7 @@ impl Header {
         let columns: Vec<_> = names
             .into_iter()
             .map(|name| {
-                let role = Column::named(&name, axis).map_or(Role::Other, |column| Role::Known(column, 1.0));
+                let role = Column::named(&name, axis).map_or(Role::Other, |column| Role::Known(column, Reading::PLAIN));
                 HeaderColumn { name, role }
             })
             .collect();
@@ -196,7 +197,7 @@ impl Header {
             names.iter().map(|name| HeaderColumn { name: name.clone(), role: Role::Skipped }).collect();
         for (mapped, place) in places {
             let Some(place) = place else { return Some(Err(unmapped(names, axis, mapped))) };
-            columns[place].role = Role::Known(mapped.column, mapped.factor());
+            columns[place].role = Role::Known(mapped.column, mapped.reading());
         }
         Some(Ok(Self { axis, columns, mapped: true }))
     }
@@ -251,7 +252,9 @@ fn quoted_list(names: &[&str]) -> String {
 
 fn refuse_unusable_names(names: &[String]) -> Result<(), Complaint> {
     if !names.is_empty() && names.iter().all(|name| name.parse::<f64>().is_ok()) {
-        return Err(Complaint::new("", "header row is missing: the first line holds numbers only"));
+        let message = "header row is missing: the first line holds numbers only; say which column is what by its number, \
+                       as in servo-lab init LOG --map time=[1]:s --map position=[2]:rad --map \"torque=[3]:N m\"";
+        return Err(Complaint::new("", message));
     }
     for (index, name) in names.iter().enumerate() {
         if name.is_empty() {

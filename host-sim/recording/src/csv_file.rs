@@ -15,35 +15,69 @@ use crate::Error;
 const BUFFER_BYTES: usize = 1 << 18;
 /// Bytes of the header that are looked at for what separates its cells.
 const HEAD_BYTES: u64 = 1 << 16;
+/// A line that begins with this is a comment.
+const COMMENT: u8 = b'#';
 
 /// Reads the columns from any stream; `file` names it in messages. Cells are separated by tabs or `;` where the header holds
-/// such, by commas otherwise; where they are not separated by commas, numbers may have a decimal comma.
+/// such, by commas otherwise; where they are not separated by commas, numbers may have a decimal comma. Lines that begin with `#`
+/// are comments, of which the last before the first row names the columns where that row is of numbers; without such a one they are
+/// called `[1]`, `[2]` and so on where a mapping can name them.
 pub(crate) fn read(
     file: &Path,
     mut input: impl Read + Seek,
     wanted: Wanted<'_>,
 ) -> Result<(Header, Vec<Values>), Error> {
-    let separator =
-        separator(&mut input).map_err(|error| Error::input(file, None, "", format!("cannot read: {error}")))?;
+    let head = Head::read(&mut input).map_err(|error| Error::input(file, None, "", format!("cannot read: {error}")))?;
     let mut rows = csv::ReaderBuilder::new()
         .has_headers(false)
-        .delimiter(separator)
+        .delimiter(head.separator)
+        .comment(Some(COMMENT))
         // Rows of another length are refused here, with a better message.
         .flexible(true)
         .buffer_capacity(BUFFER_BYTES)
         .from_reader(LastByte { inner: input, last: None });
-    read_rows(&mut rows, separator, wanted).map_err(|Misread { byte, complaint }| {
+    read_rows(&mut rows, &head, wanted).map_err(|Misread { byte, complaint }| {
         let line = byte.and_then(|byte| line_at(rows.into_inner().inner, byte).ok());
         Error::input(file, line, &complaint.column, complaint.message)
     })
 }
 
-/// What separates the cells of the first line that is not empty, outside quotes.
-fn separator(input: &mut (impl Read + Seek)) -> io::Result<u8> {
-    let mut head = Vec::new();
-    input.by_ref().take(HEAD_BYTES).read_to_end(&mut head)?;
-    input.seek(SeekFrom::Start(0))?;
-    let line = head.split(|byte| matches!(byte, b'\r' | b'\n')).find(|line| !line.is_empty()).unwrap_or_default();
+/// What the first lines tell of the others.
+struct Head {
+    separator: u8,
+    /// The last comment before the first row, without its sign.
+    comment: Vec<u8>,
+}
+
+impl Head {
+    fn read(input: &mut (impl Read + Seek)) -> io::Result<Self> {
+        let mut head = Vec::new();
+        input.by_ref().take(HEAD_BYTES).read_to_end(&mut head)?;
+        input.seek(SeekFrom::Start(0))?;
+        let text = head.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&head);
+        let mut comment: &[u8] = &[];
+        let mut first: &[u8] = &[];
+        for line in text.split(|byte| matches!(byte, b'\r' | b'\n')).filter(|line| !line.is_empty()) {
+            if line[0] != COMMENT {
+                first = line;
+                break;
+            }
+            comment = line[1..].trim_ascii_start();
+        }
+        Ok(Self { separator: separator(first), comment: comment.to_vec() })
+    }
+
+    /// The names of the columns by the comment; none where it has not as many as the first row has cells.
+    fn names(&self, cells: usize) -> Option<Vec<String>> {
+        let text = std::str::from_utf8(&self.comment).ok()?;
+        let names: Vec<String> =
+            text.split(char::from(self.separator)).map(|name| name.trim().trim_matches('"').to_owned()).collect();
+        (names.len() == cells && !names.iter().all(|name| is_number(name, self.separator))).then_some(names)
+    }
+}
+
+/// What separates the cells of a line outside quotes.
+fn separator(line: &[u8]) -> u8 {
     let mut quoted = false;
     let outside: Vec<u8> = line
         .iter()
@@ -53,7 +87,12 @@ fn separator(input: &mut (impl Read + Seek)) -> io::Result<u8> {
             !quoted
         })
         .collect();
-    Ok([b'\t', b';'].into_iter().find(|separator| outside.contains(separator)).unwrap_or(b','))
+    [b'\t', b';'].into_iter().find(|separator| outside.contains(separator)).unwrap_or(b',')
+}
+
+fn is_number(cell: &str, separator: u8) -> bool {
+    let cell = if separator == b',' { Cow::Borrowed(cell) } else { with_decimal_point(cell) };
+    cell.trim().parse::<f64>().is_ok()
 }
 
 /// What is wrong, and the byte at or before the row it is in.
@@ -70,19 +109,21 @@ impl Misread {
 
 fn read_rows<R: Read>(
     rows: &mut csv::Reader<LastByte<R>>,
-    separator: u8,
+    head: &Head,
     wanted: Wanted<'_>,
 ) -> Result<(Header, Vec<Values>), Misread> {
     let mut row = ByteRecord::new();
     if !next(rows, &mut row)? {
         return Err(Misread { byte: None, complaint: Complaint::new("", "the file is empty") });
     }
-    let header = header(&row, wanted).map_err(|complaint| Misread::new(&row, complaint))?;
+    let (header, is_data) = header(&row, head, wanted).map_err(|complaint| Misread::new(&row, complaint))?;
     let mut values: Vec<_> = header.columns.iter().map(|column| Values::new(column.role)).collect();
     let mut last = row.clone();
-    while next(rows, &mut row)? {
-        push_row(&header, &row, separator, &mut values).map_err(|complaint| Misread::new(&row, complaint))?;
+    let mut is_row = is_data || next(rows, &mut row)?;
+    while is_row {
+        push_row(&header, &row, head.separator, &mut values).map_err(|complaint| Misread::new(&row, complaint))?;
         std::mem::swap(&mut row, &mut last);
+        is_row = next(rows, &mut row)?;
     }
     if !matches!(rows.get_ref().last, Some(b'\n' | b'\r')) {
         let message = "the file ends within this line: it was cut short, and its last number may be too; \
@@ -100,7 +141,7 @@ fn next<R: Read>(rows: &mut csv::Reader<R>, row: &mut ByteRecord) -> Result<bool
     })
 }
 
-/// The one-based line of the row that begins at `byte`, or after the line breaks there.
+/// The one-based line of the row that begins at `byte`, or after the line breaks and comments there.
 ///
 /// The line that `csv` counts lags behind by blank lines and by one where lines end as on Windows; so the lines are
 /// counted afresh, once there is something to complain about.
@@ -109,11 +150,15 @@ fn line_at(mut input: impl Read + Seek, byte: u64) -> io::Result<u64> {
     let mut bytes = BufReader::new(input);
     let mut line = 1;
     let mut left = byte;
+    let mut in_comment = false;
     loop {
         let buffer = bytes.fill_buf()?;
         let Some(first) = buffer.first() else { return Ok(line) };
-        if left == 0 && !matches!(first, b'\r' | b'\n') {
-            return Ok(line);
+        if left == 0 {
+            in_comment = *first == COMMENT || (in_comment && !matches!(first, b'\r' | b'\n'));
+            if !in_comment && !matches!(first, b'\r' | b'\n') {
+                return Ok(line);
+            }
         }
         // Beyond `byte` one at a time, up to the first that is no line break.
         let count = usize::try_from(left).unwrap_or(usize::MAX).clamp(1, buffer.len());
@@ -123,9 +168,22 @@ fn line_at(mut input: impl Read + Seek, byte: u64) -> io::Result<u64> {
     }
 }
 
-fn header(row: &ByteRecord, wanted: Wanted<'_>) -> Result<Header, Complaint> {
-    let names = row.iter().enumerate().map(|(index, cell)| Ok(text(index, cell)?.trim().to_owned()));
-    Header::resolve(names.collect::<Result<_, _>>()?, wanted)
+/// The header, and whether the first row is one of data already.
+fn header(row: &ByteRecord, head: &Head, wanted: Wanted<'_>) -> Result<(Header, bool), Complaint> {
+    let cells = row.iter().enumerate().map(|(index, cell)| Ok(text(index, cell)?.trim().to_owned()));
+    let cells: Vec<String> = cells.collect::<Result<_, _>>()?;
+    let is_data = cells.iter().all(|cell| is_number(cell, head.separator));
+    let can_be_numbered = match wanted {
+        Wanted::Recording(_) => false,
+        Wanted::Mapped(_, mapping) => !mapping.is_empty(),
+        Wanted::Table => true,
+    };
+    let names = match head.names(cells.len()) {
+        Some(names) if is_data => names,
+        _ if is_data && can_be_numbered => (1..=cells.len()).map(|number| format!("[{number}]")).collect(),
+        _ => return Ok((Header::resolve(cells, wanted)?, false)),
+    };
+    Ok((Header::resolve(names, wanted)?, true))
 }
 
 fn text(index: usize, cell: &[u8]) -> Result<&str, Complaint> {

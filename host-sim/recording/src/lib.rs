@@ -37,6 +37,7 @@ mod ulog_file;
 mod units;
 mod values;
 pub mod vocabulary;
+mod wrap;
 
 pub use columns::Column;
 pub use error::Error;
@@ -49,3 +50,4 @@ pub use nearest::nearest;
 pub use position_step::position_step;
 pub use recording::{Cells, Recording};
 pub use table::Table;
+pub use wrap::{Wrap, wrap};

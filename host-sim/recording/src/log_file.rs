@@ -184,11 +184,17 @@ const NOT_READ: &[(&[u8], &str)] = &[
     ),
     (b"MDF     ", "is an MDF file; convert it with asammdf: asammdf.MDF('log.mf4').export('csv')"),
     (b"TDSm", "is a TDMS file of LabVIEW; in Python: nptdms.TdmsFile('log.tdms').as_dataframe().to_csv('log.csv')"),
+    (b"\x93NUMPY", "is an array of NumPy; in Python: numpy.savetxt('log.csv', numpy.load('log.npy'), delimiter=',')"),
     (b"PK\x03\x04", "is a ZIP archive or a spreadsheet; unpack it, or save the sheet as CSV"),
     (b"\x28\xb5\x2f\xfd", "is packed with zstd; unpack it with: unzstd"),
     (b"BZh", "is packed with bzip2; unpack it with: bunzip2"),
     (b"\xfd7zXZ", "is packed with xz; unpack it with: unxz"),
 ];
+
+/// Of ZIP archives NumPy's are told by their name only.
+const NPZ: &str = "is an archive of NumPy arrays; in Python: d = numpy.load('log.npz'); \
+                   pandas.DataFrame({name: d[name] for name in d.files if d[name].ndim == 1}).to_csv('log.csv', index=False), \
+                   of arrays of one length";
 
 /// The format of a file with these first bytes.
 fn format(file: &Path, head: &[u8]) -> Result<Format, Error> {
@@ -201,6 +207,9 @@ fn format(file: &Path, head: &[u8]) -> Result<Format, Error> {
         return Ok(Format::Parquet);
     }
     let other = |what: &str| Err(Error::input(file, None, "", format!("{what}; can be read: {READABLE}")));
+    if name.ends_with(".npz") && head.starts_with(b"PK\x03\x04") {
+        return other(NPZ);
+    }
     if let Some((_, what)) = NOT_READ.iter().find(|(first, _)| head.starts_with(first)) {
         return other(what);
     }

@@ -89,11 +89,12 @@ struct ColumnsForm<'a>(&'a Mapping, AxisKind);
 impl Serialize for ColumnsForm<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut section = serializer.serialize_map(Some(self.0.columns().len()))?;
-        for MappedColumn { column, name, unit, scale, .. } in self.0.columns() {
+        for MappedColumn { column, name, unit, scale, wrap, .. } in self.0.columns() {
             let texts = [("name", name.as_str()), ("unit", unit.as_str())];
-            let (texts, numbers) =
-                if unit.is_empty() { (&texts[..1], &[][..]) } else { (&texts[..], &[("scale", *scale)][..]) };
-            section.serialize_entry(column.key(self.1), &Keys { texts, numbers, below: None })?;
+            let texts = if unit.is_empty() { &texts[..1] } else { &texts[..] };
+            let scale = (!unit.is_empty()).then_some(("scale", *scale));
+            let numbers: Vec<_> = scale.into_iter().chain(wrap.map(|wrap| ("wrap", wrap))).collect();
+            section.serialize_entry(column.key(self.1), &Keys { texts, numbers: &numbers, below: None })?;
         }
         section.end()
     }

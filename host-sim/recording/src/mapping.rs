@@ -25,8 +25,38 @@ pub struct MappedColumn {
     pub unit: String,
     /// Factor on top of the unit: a sign, N m per A, N per V.
     pub scale: f64,
+    /// What a position or reference jumps back by at the end of its range, in the unit of the log; none where it counts on.
+    pub wrap: Option<f64>,
     /// What one of the log is in the unit of the format, scale included.
     factor: f64,
+}
+
+/// How the numbers of a column become those of the format.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Reading {
+    /// In the unit of the format over in that of the log.
+    pub(crate) factor: f64,
+    /// Width of the range they are kept within, in the unit of the format.
+    pub(crate) wrap: Option<f64>,
+}
+
+impl Reading {
+    /// As they stand.
+    pub(crate) const PLAIN: Self = Self { factor: 1.0, wrap: None };
+
+    /// Turns numbers of the log, counted from `zero`, into those of the format.
+    pub(crate) fn apply(self, values: &mut [f64], zero: f64) {
+        values.iter_mut().for_each(|value| *value = (*value - zero) * self.factor);
+        let Some(wrap) = self.wrap else { return };
+        let mut turns = 0.0;
+        let mut before = values.first().copied().unwrap_or(0.0);
+        for value in values {
+            // The nearer way round is the one it went.
+            turns -= ((*value - before) / wrap).round();
+            before = *value;
+            *value += turns * wrap;
+        }
+    }
 }
 
 /// The columns of a log; at most one for each of a recording. Empty for logs that have the format's own.
@@ -109,7 +139,7 @@ impl MappedColumn {
         let unit = if unit.trim().is_empty() { own } else { unit.trim() };
         if quantities.is_empty() {
             return if unit.is_empty() && scale.is_none() {
-                Ok(Self { column, name: name.to_owned(), unit: String::new(), scale: 1.0, factor: 1.0 })
+                Ok(Self { column, name: name.to_owned(), unit: String::new(), scale: 1.0, wrap: None, factor: 1.0 })
             } else {
                 Err(format!("`{}` has neither unit nor scale", column.key(axis)))
             };
@@ -140,12 +170,33 @@ impl MappedColumn {
             (Quantity::Current | Quantity::Voltage, _) => 1.0,
             _ => measure.factor,
         };
-        Ok(Self { column, name: name.to_owned(), unit: unit.to_owned(), scale, factor: factor * scale })
+        Ok(Self { column, name: name.to_owned(), unit: unit.to_owned(), scale, wrap: None, factor: factor * scale })
     }
 
     /// What one of the log is in the unit of the format.
     pub fn factor(&self) -> f64 {
         self.factor
+    }
+
+    /// The same column, of which the log keeps the values within a range of this width, in its own unit.
+    ///
+    /// # Errors
+    /// A column that is no position or reference, a width that is not above 0, as a sentence.
+    pub fn wrapping(self, wrap: f64) -> Result<Self, String> {
+        if !matches!(self.column, Column::Position | Column::Reference) {
+            return Err("only `position` and `reference` wrap".to_owned());
+        }
+        if !(wrap > 0.0 && wrap.is_finite()) {
+            return Err(format!(
+                "wrap {wrap} is not allowed; must be above 0: the width of the range, in the unit of the log"
+            ));
+        }
+        Ok(Self { wrap: Some(wrap), ..self })
+    }
+
+    /// What the numbers of the log are turned by into those of the format.
+    pub(crate) fn reading(&self) -> Reading {
+        Reading { factor: self.factor, wrap: self.wrap.map(|wrap| wrap * self.factor.abs()) }
     }
 
     /// The same column, its values the other way round.
@@ -161,7 +212,8 @@ impl MappedColumn {
             .is_some_and(|measure| matches!(measure.quantity, Quantity::Current | Quantity::Voltage));
         let scale =
             if self.scale == 1.0 && !needs_scale { String::new() } else { format!(", scale = {:?}", self.scale) };
-        format!("{} = {{ name = {name}{unit}{scale} }}", self.column.key(axis))
+        let wrap = self.wrap.map(|wrap| format!(", wrap = {wrap:?}")).unwrap_or_default();
+        format!("{} = {{ name = {name}{unit}{scale}{wrap} }}", self.column.key(axis))
     }
 }
 
@@ -184,6 +236,14 @@ impl Mapping {
         &self.0
     }
 
+    /// The unit of the effort where it is a current or a voltage and nobody has said what one makes: its scale is 1 or -1.
+    pub fn unscaled_effort(&self) -> Option<&str> {
+        let effort = self.0.iter().find(|mapped| mapped.column == Column::EffortCmd)?;
+        let quantity = units::measure(&effort.unit)?.quantity;
+        let electric = matches!(quantity, Quantity::Current | Quantity::Voltage);
+        (electric && effort.scale.abs() == 1.0).then_some(effort.unit.as_str())
+    }
+
     /// Whether logs have the format's own columns.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
@@ -203,12 +263,17 @@ impl Mapping {
                 }
                 continue;
             };
-            entry.only(&["name", "unit", "scale"])?;
+            entry.only(&["name", "unit", "scale", "wrap"])?;
             let (name, _) = entry.required_text("name", "the name of a column of the log, in quotes")?;
             let unit = entry.text("unit", "a unit in quotes")?.map_or("", |(unit, _)| unit);
             let scale = entry.number("scale", Allowed::Finite)?;
             let mapped = MappedColumn::new(column, axis, name, unit, scale);
-            columns.push(mapped.map_err(|message| entry.error(entry.span(), "unit", message))?);
+            let mapped = mapped.map_err(|message| entry.error(entry.span(), "unit", message))?;
+            let wrap = entry.number("wrap", Allowed::AboveZero)?;
+            columns.push(match wrap.map(|wrap| mapped.clone().wrapping(wrap)) {
+                None => mapped,
+                Some(wrapping) => wrapping.map_err(|message| entry.error(entry.span(), "wrap", message))?,
+            });
         }
         Ok(Self(columns))
     }
@@ -305,6 +370,22 @@ mod tests {
             let found = factor(column, axis, unit, scale).unwrap();
             assert!((found / expected - 1.0).abs() < 1e-12, "{column:?} in {unit}: {found}");
         }
+    }
+
+    #[test]
+    fn a_range_that_is_left_is_entered_from_the_other_end() {
+        let column = MappedColumn::new(Column::Position, AxisKind::Rotary, "x", "deg", None).unwrap();
+        let wrapping = column.clone().wrapping(360.0).unwrap();
+        assert_eq!(wrapping.to_toml(AxisKind::Rotary), r#"position = { name = "x", unit = "deg", wrap = 360.0 }"#);
+        let mut values = [170.0, 179.0, -175.0, 179.5, -170.0, -100.0, 10.0, 100.0, 190.0 - 360.0];
+        wrapping.reading().apply(&mut values, 0.0);
+        let expected = [170.0, 179.0, 185.0, 179.5, 190.0, 260.0, 370.0, 460.0, 550.0];
+        for (value, expected) in values.iter().zip(expected) {
+            assert!((value.to_degrees() - expected).abs() < 1e-9, "{} instead of {expected}", value.to_degrees());
+        }
+        assert!(column.wrapping(0.0).unwrap_err().contains("must be above 0"));
+        let torque = MappedColumn::new(Column::EffortCmd, AxisKind::Rotary, "x", "", None).unwrap();
+        assert!(torque.wrapping(1.0).unwrap_err().contains("only `position`"));
     }
 
     #[test]

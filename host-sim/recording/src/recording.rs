@@ -151,8 +151,12 @@ impl Recording {
             .collect();
         if !self.gaps.is_empty() {
             let count = self.gaps.len();
-            let first = self.t_s[self.gaps[0]];
-            notes.push(format!("{}: rows are missing in {count} places, the first after t_s = {first}", self.name));
+            // Time counts from another zero than in the log where that is mapped; rows are the same in both.
+            let (row, since_s) = (self.gaps[0] + 1, self.t_s[self.gaps[0]] - self.t_s[0]);
+            notes.push(format!(
+                "{}: rows are missing in {count} places, the first after row {row}, {since_s:.3} s after the start",
+                self.name
+            ));
         }
         notes
     }
@@ -162,11 +166,11 @@ impl Recording {
         let name = file.file_name().map_or_else(|| file.to_string_lossy(), OsStr::to_string_lossy).into_owned();
         let mut recording = Self { name, ..Self::empty(header.axis) };
         for (column, mut values) in header.columns.into_iter().zip(values) {
-            if let (true, Role::Known(known, factor), Values::Real(values)) = (header.mapped, column.role, &mut values)
+            if let (true, Role::Known(known, reading), Values::Real(values)) = (header.mapped, column.role, &mut values)
             {
                 // Clocks of logs count from long ago, which costs digits; only differences are of use.
                 let zero = if known == Column::Time { values.first().copied().unwrap_or(0.0) } else { 0.0 };
-                values.iter_mut().for_each(|value| *value = (*value - zero) * factor);
+                reading.apply(values, zero);
             }
             recording.place(column, values);
         }

@@ -36,6 +36,7 @@ const PATHS: &[&str] = &[
     "columns.position.name",
     "columns.position.unit",
     "columns.position.scale",
+    "columns.position.wrap",
     "effects",
     "effects.id",
     "effects.recording",

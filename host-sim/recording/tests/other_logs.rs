@@ -106,3 +106,47 @@ fn a_machine_with_columns_reads_back() {
     let text = machine.to_toml().unwrap();
     assert_eq!(Machine::from_bytes(Path::new("m.toml"), text.as_bytes()).unwrap(), machine, "{text}");
 }
+
+const BY_NUMBER: &str = "[columns]\ntime = { name = \"[1]\" }\nposition = { name = \"[3]\", wrap = 25.0 }\n\
+                         torque = { name = \"[2]\" }\n";
+
+#[test]
+fn columns_without_a_header_have_numbers() {
+    let machine = machine(BY_NUMBER).unwrap();
+    let recording = read("a.txt", b"0;1,5;12\n0,001;2,5;-12,5\n", &machine).unwrap();
+    close(&recording.effort_cmd, &[1.5, 2.5]);
+    close(&recording.position, &[12.0, 12.5]);
+    let table = recording::Table::from_bytes(Path::new("a.txt"), b"0,1\n1,2\n").unwrap();
+    assert_eq!(table.numbers, [("[1]".to_owned(), vec![0.0, 1.0]), ("[2]".to_owned(), vec![1.0, 2.0])]);
+    let error = read("a.csv", b"0,1\n0.001,2\n", &machine).unwrap_err();
+    assert!(error.contains("[3]: column is missing") && error.contains("names as `position`"), "{error}");
+    let error = Recording::from_csv_bytes(Path::new("a.csv"), b"0,1,2\n1,2,3\n", None).unwrap_err().to_string();
+    assert!(error.contains("header row is missing") && error.contains("--map position=[2]:rad"), "{error}");
+    // Its machine file reads back.
+    let again = Machine::from_bytes(Path::new("m.toml"), machine.to_toml().unwrap().as_bytes()).unwrap();
+    assert_eq!(again.columns, machine.columns);
+}
+
+#[test]
+fn comments_are_left_out_and_the_last_may_name_the_columns() {
+    let machine = machine(COLUMNS).unwrap();
+    let log = "# Bench 3, 24 V\n#ts\tenc\ti\n1000000\t10\t1.5\n# here it was pushed\n1001000\t20\t-2\n";
+    let recording = read("a.txt", log.as_bytes(), &machine).unwrap();
+    close(&recording.effort_cmd, &[-0.75, 1.0]);
+    // A header below a comment.
+    let log = "# a note\nts,enc,i\n1000000,10,1.5\n# x\n1001000,20,z\n";
+    let error = read("a.txt", log.as_bytes(), &machine).unwrap_err();
+    assert!(error.contains("a.txt:5: i: `z` is not a number"), "{error}");
+    // A comment with another count of words names nothing.
+    let table = recording::Table::from_bytes(Path::new("a.txt"), b"# a, b, c\n0,1\n1,2\n").unwrap();
+    assert_eq!(table.numbers[1].0, "[2]");
+}
+
+#[test]
+fn arrays_of_numpy_are_refused_with_what_to_do() {
+    let machine = machine(COLUMNS).unwrap();
+    let error = read("a.npz", b"PK\x03\x04\x2d\0\0\0\0\0\0\0\0\0\0\0", &machine).unwrap_err();
+    assert!(error.contains("is an archive of NumPy arrays") && error.contains("numpy.load"), "{error}");
+    let error = read("a.npy", b"\x93NUMPY\x01\0\0\0\0\0\0\0\0\0", &machine).unwrap_err();
+    assert!(error.contains("is an array of NumPy"), "{error}");
+}

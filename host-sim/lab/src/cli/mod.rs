@@ -8,6 +8,7 @@ mod delays;
 mod demo;
 mod diagnose;
 mod doctor;
+mod effort_units;
 mod examples;
 mod fleet;
 mod guide;
@@ -22,6 +23,7 @@ mod replay;
 mod simulate;
 mod stability;
 mod tune;
+mod velocity_check;
 
 use std::process::ExitCode;
 use std::time::Instant;

@@ -179,12 +179,24 @@ fn units(machine: &Machine, recording: &Recording, period_s: f64, estimate: &Est
     let Estimate { speed, acceleration, .. } = *estimate;
     let problems = [
         is_other_period.then_some(Problem::OtherPeriod { period_s, file_s }),
-        position_step(&recording.position).filter(is_far).map(|step| Problem::OtherStep { step, resolution }),
+        position_step(&recording.position)
+            .filter(|step| is_far(step) && (*step > resolution || moves_by(*step, recording)))
+            .map(|step| Problem::OtherStep { step, resolution }),
         (speed > limits.speed).then_some(Problem::Speed { value: speed, most: limits.speed }),
         (acceleration > limits.acceleration)
             .then_some(Problem::Acceleration { value: acceleration, most: limits.acceleration }),
     ];
     problems.into_iter().flatten().collect()
+}
+
+/// Steps in a row by which a sensor's own step shows. What lies on a finer lattice but moves by more of it at a time may be the
+/// digits of the log.
+const AT_ONCE: f64 = 20.0;
+
+/// Whether a position moves by few steps of this size from row to row, mostly.
+fn moves_by(step: f64, recording: &Recording) -> bool {
+    let changes = || recording.position.windows(2).map(|pair| (pair[1] - pair[0]).abs()).filter(|change| *change > 0.0);
+    2 * changes().filter(|change| *change < AT_ONCE * step).count() >= changes().count()
 }
 
 /// Whether torque and acceleration fit each other, where the units are trusted, and the inertia of the machine file.

@@ -9,7 +9,8 @@ use crate::first_model::{FirstModel, first_model};
 use crate::output::formats;
 use crate::precheck::windows::median_period_s;
 use crate::read::{
-    Axis, AxisKind, Column, Given, Guess, Machine, MapFlag, Mapping, Recording, Table, guess, position_step,
+    Axis, AxisKind, Cells, Column, Given, Guess, Machine, MapFlag, Mapping, Recording, Table, guess, position_step,
+    wrap,
 };
 use crate::{Error, output};
 
@@ -83,6 +84,10 @@ fn find(args: &Args) -> Result<Findings<'_>, Error> {
     if let Some(short) = recordings.iter().find(|recording| recording.rows() < 2) {
         return Err(Error::Usage(format!("{}: one row tells nothing; record longer", short.name)));
     }
+    if unwrap(&mut guesses, &recordings).map_err(usage)? {
+        mapping = mapping_of(&guesses, kind).map_err(usage)?;
+        recordings = read(&args.logs, &axis, &mapping)?;
+    }
     axis.sample_period_s = recordings.first().map_or(1e-3, |recording| median_period_s(&recording.t_s)).min(1.0);
     let steps = recordings.iter().filter_map(|recording| position_step(&recording.position));
     axis.resolution = steps.reduce(f64::min).unwrap_or(0.0);
@@ -100,14 +105,39 @@ fn find(args: &Args) -> Result<Findings<'_>, Error> {
     Ok(Findings { logs: &args.logs, axis, guesses, mapping, recordings, model })
 }
 
-/// Whether a flag gives the column with a unit or scale, which is then left as it is.
+/// Whether a flag gives the column, which is then left as it is.
 fn given(args: &Args, column: Column, axis: AxisKind) -> bool {
-    args.map.iter().any(|flag| flag.key == column.key(axis) && flag.scale.is_some())
+    args.map.iter().any(|flag| flag.key == column.key(axis))
+}
+
+/// Says of positions and references that wrap that they do; whether there are any.
+fn unwrap(guesses: &mut [Guess], recordings: &[Recording]) -> Result<bool, String> {
+    let mut any = false;
+    for guess in guesses.iter_mut().filter(|guess| matches!(guess.mapped.column, Column::Position | Column::Reference))
+    {
+        let column = guess.mapped.column;
+        let values = |recording: &Recording| match recording.column(column) {
+            Some(Cells::Real(values)) => wrap(values),
+            _ => None,
+        };
+        let found: Vec<_> = recordings.iter().filter_map(values).collect();
+        let Some(first) = found.first() else { continue };
+        let width = first.width_in(guess.mapped.factor());
+        let count: usize = found.iter().map(|wrap| wrap.rows.len()).sum();
+        guess.because += &format!("; WRAPS: it jumps by {width:?} {} in {count} places", guess.mapped.unit);
+        guess.mapped = guess.mapped.clone().wrapping(width)?;
+        any = true;
+    }
+    Ok(any)
 }
 
 /// The mapping of the guesses; empty where they are the format's own columns.
 fn mapping_of(guesses: &[Guess], axis: AxisKind) -> Result<Mapping, String> {
-    let own = |guess: &Guess| guess.mapped.name == guess.mapped.column.name(axis) && guess.mapped.factor() == 1.0;
+    let own = |guess: &Guess| {
+        guess.mapped.name == guess.mapped.column.name(axis)
+            && guess.mapped.factor() == 1.0
+            && guess.mapped.wrap.is_none()
+    };
     if guesses.iter().all(own) {
         return Ok(Mapping::default());
     }
@@ -118,10 +148,17 @@ fn read(logs: &[PathBuf], axis: &Axis, mapping: &Mapping) -> Result<Vec<Recordin
     logs.iter().map(|log| Recording::mapped(log, axis.kind, mapping)).collect()
 }
 
-/// The name of a machine from that of its first log.
+/// The name of a machine from that of its log, or of the folder of its logs.
 fn name(logs: &[PathBuf]) -> String {
-    let file = logs.first().map(PathBuf::as_path).unwrap_or(Path::new("machine"));
-    let name = file.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-    let stem = name.split('.').next().unwrap_or_default();
-    if stem.is_empty() || stem == "-" { "machine".to_owned() } else { stem.to_owned() }
+    let stem = |file: &Path| {
+        let name = file.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+        name.split('.').next().unwrap_or_default().to_owned()
+    };
+    let folder = |log: &PathBuf| std::path::absolute(log).ok()?.parent().map(stem).filter(|name| !name.is_empty());
+    let name = match logs {
+        [] => String::new(),
+        [log] => stem(log),
+        [log, ..] => folder(log).unwrap_or_else(|| stem(log)),
+    };
+    if name.is_empty() || name == "-" { "machine".to_owned() } else { name }
 }

@@ -4,6 +4,8 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use super::{Findings, name};
+use crate::cli::effort_units::EffortUnits;
+use crate::cli::velocity_check::wrong_velocity;
 use crate::first_model::{FirstModel, Value};
 use crate::read::AxisKind;
 use crate::report::Units;
@@ -49,7 +51,7 @@ pub(super) fn machine_file(findings: &Findings<'_>) -> String {
     }
     if let Some((amplitude, phase_rad)) = findings.model.as_ref().and_then(|model| model.gravity) {
         text += "\n# Weight on an arm: amplitude sin(position + phase) is what holds it.\n[[effects]]\nid = \"gravity_load\"\n";
-        let (value, comment) = (digits(amplitude.value), interval(amplitude, "N m"));
+        let (value, comment) = (digits(amplitude.value), interval(amplitude, &effort_units(findings).effort));
         let _ = write!(text, "amplitude_nm = {value} # {comment}\nphase_rad = {}\n", digits(phase_rad));
     }
     text
@@ -67,7 +69,7 @@ fn axis(findings: &Findings<'_>) -> [Line; 2] {
     let jitter = away.get(away.len() * 9 / 10).map_or(0.0, |away| 100.0 * away / period_s);
     let unit = Units::of(findings.axis.kind).position;
     let resolution = findings.axis.resolution;
-    let told = if resolution > 0.0 { "smallest step of the position" } else { "no steps are seen; continuous" };
+    let told = if resolution > 0.0 { "step of the position" } else { "no steps are seen; continuous" };
     [
         Line {
             key: "sample_period_s",
@@ -83,41 +85,51 @@ fn interval(value: Value, unit: &str) -> String {
     format!("{unsure}{unit}, +- {} (95 %)", digits(value.within))
 }
 
-/// Units of inertia, friction level, viscous friction.
-fn units(axis: AxisKind) -> [&'static str; 3] {
-    match axis {
-        AxisKind::Rotary => ["kg m2", "N m", "N m s/rad"],
-        AxisKind::Linear => ["kg", "N", "N s/m"],
-    }
+fn effort_units(findings: &Findings<'_>) -> EffortUnits {
+    EffortUnits::of(findings.axis.kind, &findings.mapping)
 }
 
 fn plant(findings: &Findings<'_>) -> Vec<Line> {
-    let [inertia, effort, viscous] = units(findings.axis.kind);
+    let EffortUnits { inertia, effort, viscous, .. } = effort_units(findings);
     let Some(model) = &findings.model else {
         let comment = format!("UNSURE: {inertia}; nothing in the logs tells it: put in what you know");
         return vec![Line { key: "inertia", value: "1.0".to_owned(), comment }];
     };
-    let line = |key, value: Value, unit| {
+    let line = |key, value: Value, unit: &str| {
+        if value.kept {
+            return Line { key, value: digits(value.value), comment: interval(value, unit) };
+        }
         // Friction that drives is none.
-        let negative = value.value <= 0.0 && key != "torque_offset";
-        let kept = if negative { 0.0 } else { value.value };
-        let comment = if negative {
-            format!("{unit}; fitted {} +- {}, which none is", digits(value.value), digits(value.within))
-        } else {
-            interval(value, unit)
+        let negative = value.value + value.within <= 0.0 && key != "torque_offset";
+        let fitted = format!("fitted {} +- {}", digits(value.value), digits(value.within));
+        let comment = match value.within.is_finite() {
+            _ if negative => format!("{unit}; {fitted}, which none is"),
+            true => format!("UNSURE: {unit}; {fitted}, so the logs do not tell it: left out"),
+            false => format!("UNSURE: {unit}; the logs do not tell it: left out"),
         };
-        Line { key, value: digits(kept), comment }
+        Line { key, value: digits(0.0), comment }
     };
-    vec![
-        inertia_line(model, inertia),
-        line("coulomb", model.coulomb, effort),
-        line("viscous", model.viscous, viscous),
-        line("torque_offset", model.offset, effort),
-    ]
+    let mut lines = vec![
+        inertia_line(model, &inertia),
+        line("coulomb", model.coulomb, &effort),
+        line("viscous", model.viscous, &viscous),
+        line("torque_offset", model.offset, &effort),
+    ];
+    if model.one_way {
+        let together =
+            "the motion is in one direction only: friction and offset cannot be told apart, and are here as an offset";
+        lines[1].comment = format!("UNSURE: {effort}; {together}");
+        lines[3].comment = format!("UNSURE: {effort}; {together}");
+    }
+    lines
 }
 
 fn inertia_line(model: &FirstModel, unit: &str) -> Line {
     let value = model.inertia;
+    if value.value > 0.0 && model.explained < EXPLAINED_ENOUGH {
+        let comment = format!("UNSURE: {unit}, +- {} (95 %) if the rest were right", digits(value.within));
+        return Line { key: "inertia", value: digits(value.value), comment };
+    }
     if value.value > 0.0 {
         return Line { key: "inertia", value: digits(value.value), comment: interval(value, unit) };
     }
@@ -150,9 +162,16 @@ pub(super) fn summary(findings: &Findings<'_>, file: &Path) -> String {
     };
     lines("", axis(findings).into());
     lines("first model, by robust least squares\n", plant(findings));
-    text += &how_good(findings.model.as_ref(), kind);
+    let units = effort_units(findings);
+    text += &how_good(findings.model.as_ref(), kind, &units.effort);
+    if !units.scale_is_known {
+        let EffortUnits { effort, .. } = &units;
+        let own = Units::of(kind).effort;
+        let _ = writeln!(text, "note: how many {own} one {effort} makes is not known: all values are in {effort}");
+    }
     for recording in &findings.recordings {
         text.extend(recording.notes().iter().map(|note| format!("note: {note}\n")));
+        text.extend(wrong_velocity(recording).map(|wrong| format!("note: {}: {wrong}\n", recording.name)));
     }
     let log = findings.logs.first().map(|log| log.display().to_string()).unwrap_or_default();
     let file = file.display();
@@ -160,12 +179,12 @@ pub(super) fn summary(findings: &Findings<'_>, file: &Path) -> String {
 }
 
 /// Gravity, and how much of the effort the model explains.
-fn how_good(model: Option<&FirstModel>, kind: AxisKind) -> String {
+fn how_good(model: Option<&FirstModel>, kind: AxisKind, unit: &str) -> String {
     let Some(model) = model else { return "UNSURE  nothing moves enough for a first model\n".to_owned() };
     let mut text = String::new();
     if let Some((amplitude, phase_rad)) = model.gravity {
         let value =
-            format!("{} {}, phase {} rad", digits(amplitude.value), interval(amplitude, "N m"), digits(phase_rad));
+            format!("{} {}, phase {} rad", digits(amplitude.value), interval(amplitude, unit), digits(phase_rad));
         let _ = writeln!(text, "        {:16} {value}", "gravity");
     }
     let (percent, effort) = (100.0 * model.explained, Units::of(kind).effort_name);

@@ -1,0 +1,191 @@
+//! What `init` and `doctor` say of logs with the faults and gaps of real ones.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use std::fmt::Write as _;
+use std::fs;
+use std::path::Path;
+
+use assert_cmd::Command;
+
+fn lab(folder: &Path, words: &[&str]) -> String {
+    let output = Command::cargo_bin("servo-lab").unwrap().current_dir(folder).args(words).output().unwrap();
+    assert!(output.status.success(), "{words:?}: {}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).unwrap()
+}
+
+const PERIOD_S: f64 = 0.002;
+const ROWS: usize = 5000;
+
+/// Position, speed and acceleration of three sines, the slowest of this amplitude, at a time in s.
+fn motion(amplitude: f64, t_s: f64) -> [f64; 3] {
+    let sine = |size: f64, rate: f64| {
+        [size * (rate * t_s).sin(), size * rate * (rate * t_s).cos(), -size * rate * rate * (rate * t_s).sin()]
+    };
+    let parts = [sine(amplitude, 2.0), sine(0.2 * amplitude, 11.0), sine(0.05 * amplitude, 31.0)];
+    [0, 1, 2].map(|place| parts.iter().map(|part| part[place]).sum())
+}
+
+/// A log in which the torque follows the motion by this law of position, speed, acceleration; the position in steps of 1e-4.
+fn log(columns: &str, amplitude: f64, row: impl Fn([f64; 3], [f64; 3]) -> Vec<f64>) -> String {
+    let mut text = format!("time_s,{columns}\n");
+    for index in 0..ROWS {
+        let t_s = PERIOD_S * index as f64;
+        let cells = row(motion(amplitude, t_s), motion(amplitude, t_s - 0.008));
+        let cells: Vec<String> = cells.iter().map(|cell| format!("{cell:.7}")).collect();
+        let _ = writeln!(text, "{t_s:.4},{}", cells.join(","));
+    }
+    text
+}
+
+fn stepped(position: f64) -> f64 {
+    (position * 1e4).round() * 1e-4
+}
+
+/// Dry and viscous friction, a body, gravity.
+fn torque([position, speed, acceleration]: [f64; 3]) -> f64 {
+    0.02 * acceleration + 0.2 * speed.signum() + 0.05 * speed + 0.5 * position.sin()
+}
+
+fn machine(folder: &Path) -> String {
+    fs::read_to_string(folder.join("machine.toml")).unwrap()
+}
+
+#[test]
+fn a_column_that_is_given_is_never_turned() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = log("position_rad,torque_nm", 1.5, |now, _| vec![stepped(now[0]), -torque(now)]);
+    fs::write(folder.path().join("a.csv"), &text).unwrap();
+    let printed = lab(folder.path(), &["init", "a.csv", "--map", "torque=torque_nm"]);
+    assert!(printed.contains("pushes against the acceleration: turn its sign with *-1"), "{printed}");
+    assert!(!machine(folder.path()).contains("scale = -1"), "{printed}");
+    let guessed = lab(folder.path(), &["init", "a.csv", "-o", "guessed.toml"]);
+    assert!(guessed.contains("sign turned"), "{guessed}");
+}
+
+#[test]
+fn a_body_that_looks_like_negative_inertia_turns_no_sign() {
+    let folder = tempfile::tempdir().unwrap();
+    // What an elbow that swings does to a shoulder.
+    let law = |[_, speed, acceleration]: [f64; 3]| -0.01 * acceleration + 0.2 * speed.signum() + 0.05 * speed;
+    let text = log("position_rad,torque_nm", 1.5, |now, _| vec![stepped(now[0]), law(now)]);
+    fs::write(folder.path().join("a.csv"), &text).unwrap();
+    let printed = lab(folder.path(), &["init", "a.csv"]);
+    assert!(!printed.contains("sign turned") && !printed.contains("turn its sign"), "{printed}");
+}
+
+#[test]
+fn a_position_that_wraps_is_said_and_unwrapped() {
+    let folder = tempfile::tempdir().unwrap();
+    let law = |[_, speed, acceleration]: [f64; 3]| 0.02 * acceleration + 0.2 * speed.signum() + 0.05 * speed;
+    let row = |now: [f64; 3], _: [f64; 3]| vec![stepped(now[0] - 25.0 * (now[0] / 25.0).round()), law(now)];
+    fs::write(folder.path().join("a.csv"), log("position_rad,torque_nm", 20.0, row)).unwrap();
+    let looked = lab(folder.path(), &["doctor", "a.csv"]);
+    assert!(looked.contains("BAD   wrap") && looked.contains("it jumps by 25.0 rad in"), "{looked}");
+    let printed = lab(folder.path(), &["init", "a.csv"]);
+    assert!(machine(folder.path()).contains("wrap = 25.0"), "{printed}");
+    let looked = lab(folder.path(), &["doctor", "--machine", "machine.toml", "a.csv"]);
+    assert!(!looked.contains("BAD") && looked.contains("travels 4"), "{looked}");
+}
+
+#[test]
+fn a_velocity_that_contradicts_the_position_is_said() {
+    let folder = tempfile::tempdir().unwrap();
+    let row = |factor: f64| move |now: [f64; 3], _: [f64; 3]| vec![stepped(now[0]), factor * now[1], torque(now)];
+    let columns = "position_rad,velocity_rad_s,torque_nm";
+    fs::write(folder.path().join("right.csv"), log(columns, 1.5, row(1.0))).unwrap();
+    fs::write(folder.path().join("half.csv"), log(columns, 1.5, row(0.5))).unwrap();
+    let looked = lab(folder.path(), &["doctor", "right.csv"]);
+    assert!(!looked.contains("velocity"), "{looked}");
+    let looked = lab(folder.path(), &["doctor", "half.csv"]);
+    assert!(looked.contains("BAD   velocity") && looked.contains("moves 2.0"), "{looked}");
+    // A shake that is over within a stretch, of which little is left on average.
+    let shake = |now: [f64; 3], _: [f64; 3]| {
+        let phase = 100.0 * now[0];
+        vec![stepped(0.02 * phase.sin()), 0.02 * 100.0 * now[1] * phase.cos(), now[2]]
+    };
+    fs::write(folder.path().join("shake.csv"), log(columns, 0.3, shake)).unwrap();
+    let looked = lab(folder.path(), &["doctor", "shake.csv"]);
+    assert!(!looked.contains("velocity"), "{looked}");
+    let printed = lab(folder.path(), &["init", "half.csv"]);
+    assert!(printed.contains("note: half.csv: the position moves 2.0"), "{printed}");
+}
+
+#[test]
+fn a_delay_is_told_where_it_explains_much_and_only_there() {
+    let folder = tempfile::tempdir().unwrap();
+    // The motion of now answers the torque of 8 ms ago, so the torque of now belongs to the motion 8 ms later.
+    let late = |now: [f64; 3], before: [f64; 3]| vec![stepped(before[0]), torque(now)];
+    fs::write(folder.path().join("late.csv"), log("position_rad,torque_nm", 1.5, late)).unwrap();
+    let looked = lab(folder.path(), &["doctor", "late.csv"]);
+    assert!(looked.contains("% less of the balance is left: state torque_delay_s"), "{looked}");
+    // Friction that the balance has not: a shift fits it somewhat better, and means nothing.
+    let law =
+        |[position, speed, _]: [f64; 3]| 0.3 * speed.signum() * (1.0 + 0.5 * (7.0 * position).sin()) + 0.05 * speed;
+    let rough = |now: [f64; 3], _: [f64; 3]| vec![stepped(now[0]), law(now)];
+    fs::write(folder.path().join("rough.csv"), log("position_rad,torque_nm", 1.5, rough)).unwrap();
+    let looked = lab(folder.path(), &["doctor", "rough.csv"]);
+    assert!(looked.contains("effort and motion go together"), "{looked}");
+}
+
+#[test]
+fn motion_in_one_direction_and_a_test_signal_are_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut text = String::from("time_s,position_rad,torque_nm\n");
+    // A motor of 1e-4 kg m2 with friction 0.03 N m and 1e-4 N m s/rad that is stepped from 0.05 to 0.06 N m.
+    let (mut position, mut speed) = (0.0, 200.0);
+    for row in 0..8000 {
+        let torque = if row < 4000 { 0.05 } else { 0.06 };
+        let _ = writeln!(text, "{:.3},{:.6},{torque}", 1e-3 * f64::from(row), stepped(position));
+        speed += 1e-3 * (torque - 0.03 - 1e-4 * speed) / 1e-4;
+        position += 1e-3 * speed;
+    }
+    fs::write(folder.path().join("a.csv"), text).unwrap();
+    let looked = lab(folder.path(), &["doctor", "a.csv"]);
+    assert!(looked.contains("a test signal of 2 levels") && !looked.contains("a limit?"), "{looked}");
+    assert!(looked.contains("in one direction only"), "{looked}");
+    let printed = lab(folder.path(), &["init", "a.csv"]);
+    assert!(printed.contains("friction and offset cannot be told apart"), "{printed}");
+}
+
+#[test]
+fn what_the_logs_do_not_tell_is_left_out() {
+    let folder = tempfile::tempdir().unwrap();
+    // A weight that is lifted slowly, and hardly lowered: offset, friction and gravity look alike.
+    let mut text = String::from("time_s,position_rad,torque_nm\n");
+    for row in 0..1200 {
+        let t_s = 0.005 * f64::from(row);
+        let position = 0.45 * (1.0 - (1.05 * t_s).cos());
+        let noise = 0.01 * (f64::from(row * row % 97) / 48.0 - 1.0);
+        let _ = writeln!(text, "{t_s:.3},{:.5},{:.5}", stepped(position), 0.5 * position.sin() + 0.03 + noise);
+    }
+    fs::write(folder.path().join("a.csv"), text).unwrap();
+    let printed = lab(folder.path(), &["init", "a.csv"]);
+    let machine = machine(folder.path());
+    for key in ["coulomb", "viscous", "torque_offset"] {
+        let line = machine.lines().find(|line| line.starts_with(key)).unwrap();
+        let value: f64 = line.split([' ', '#']).nth(2).unwrap().parse().unwrap();
+        assert!(value.abs() < 0.6, "no more than the torque there is: {printed}");
+        assert!(!line.contains("UNSURE") || value == 0.0, "{printed}");
+    }
+}
+
+#[test]
+fn a_current_without_a_scale_has_its_own_unit() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = log("position_rad,motor_current_a", 1.5, |now, _| vec![stepped(now[0]), torque(now)]);
+    fs::write(folder.path().join("a.csv"), &text).unwrap();
+    let printed = lab(folder.path(), &["init", "a.csv", "--map", "torque=motor_current_a:A*1"]);
+    assert!(printed.contains("A s2/rad") && printed.contains("how many N m one A makes is not known"), "{printed}");
+    assert!(!machine(folder.path()).contains("kg m2"), "{printed}");
+    let looked = lab(folder.path(), &["doctor", "--machine", "machine.toml", "a.csv"]);
+    assert!(looked.contains("A s2/rad") && !looked.contains("N m"), "{looked}");
+}
+
+#[test]
+fn the_resolution_of_a_fast_axis_is_found() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = log("position_rad,torque_nm", 20.0, |now, _| vec![stepped(now[0]), torque(now)]);
+    fs::write(folder.path().join("a.csv"), &text).unwrap();
+    let printed = lab(folder.path(), &["init", "a.csv"]);
+    assert!(printed.contains("resolution       0.0001 rad; step of the position"), "{printed}");
+}
