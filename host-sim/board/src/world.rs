@@ -1,6 +1,8 @@
 //! Everything around the MCU: the rotor behind the chips, what a test does to the board and when, and what was seen.
 
 use std::collections::VecDeque;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use plant::chips::Chip;
 use plant::chips::ad2s1210::Pin as ResolverPin;
@@ -15,6 +17,7 @@ use crate::host::Host as LinkHost;
 use crate::machine::{Port, ServoBoard};
 use crate::rotor::Rotor;
 use crate::rtt::Probe;
+use crate::tcp::Port as TcpPort;
 use crate::terminal::BYTE_NS;
 
 /// Longest way between two looks at the world, ns: one tick. The rotor does not depend on it: it is moved exactly to every
@@ -75,6 +78,10 @@ pub struct World {
     pub rotor: Rotor,
     /// The user at the far end of the command link.
     pub link: LinkHost,
+    /// In the place of that user, one behind a port of this machine.
+    pub port: Option<TcpPort>,
+    /// Ends the run before its time.
+    pub ended: Arc<AtomicBool>,
     /// The sectors of flash that hold the parameters; they outlive the run.
     pub flash: Shared,
     /// Upsets the core.
@@ -138,6 +145,8 @@ impl World {
         Self {
             rotor,
             link: LinkHost::default(),
+            port: None,
+            ended: Arc::default(),
             flash: Shared::default(),
             hand: Hand::default(),
             probe: None,
@@ -304,12 +313,15 @@ impl Driver<ServoBoard> for World {
             self.take_commands(session.board_mut(), now);
         }
         if let Some(terminal) = session.board_mut().terminal() {
-            self.link.attend(terminal, now);
+            match &mut self.port {
+                Some(port) => port.attend(terminal, now),
+                None => self.link.attend(terminal, now),
+            }
         }
         if let Some(probe) = &mut self.probe {
             probe.drain(host);
         }
-        if now >= self.until {
+        if now >= self.until || self.ended.load(Ordering::Relaxed) {
             return None;
         }
         // A byte that is due and not taken (the receiver is off) is offered again a byte's time later.
