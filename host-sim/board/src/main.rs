@@ -7,7 +7,7 @@ use std::time::Instant;
 use board::bench::{Error, Firmware};
 use board::rotor::Rotor;
 use board::rtt::Probe;
-use board::tcp::Port;
+use board::tcp::{Pace, Port};
 use board::world::{AMPLIFIER_READY, INTERLOCK, STOP_RELEASED, World};
 use clap::Parser;
 use er_servo::experiment::{Experiment, Shape};
@@ -31,7 +31,7 @@ struct Arguments {
     #[arg(long)]
     rtt: Option<PathBuf>,
     /// Instead of a step: the command link on this port of the loopback address, for `servo-lab link --tcp 127.0.0.1:PORT`,
-    /// as fast as the clock, until Ctrl-C; 0 takes any port that is free.
+    /// no faster than the clock, until Ctrl-C; 0 takes any port that is free.
     #[arg(long, conflicts_with_all = ["step_rad", "seconds", "rtt"])]
     tcp: Option<u16>,
 }
@@ -62,7 +62,7 @@ fn sound_world(end_ns: u64) -> Result<World, Error> {
 const DAY_NS: u64 = 86_400_000_000_000;
 
 fn serve(firmware: &Firmware, port: u16) -> Result<(), Error> {
-    let port = Port::open(port).map_err(|error| format!("--tcp {port}: {error}"))?;
+    let port = Port::open(port, Pace::Clock).map_err(|error| format!("--tcp {port}: {error}"))?;
     println!("the drive is at {}; Ctrl-C ends it", port.address()?);
     let mut world = sound_world(DAY_NS)?;
     world.port = Some(port);

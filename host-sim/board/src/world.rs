@@ -23,6 +23,8 @@ use crate::terminal::BYTE_NS;
 /// Longest way between two looks at the world, ns: one tick. The rotor does not depend on it: it is moved exactly to every
 /// sample and every change of command.
 const STRIDE_NS: u64 = 500_000;
+/// With a client, who may stay for days, what was seen is forgotten after so many ticks: a minute.
+const KEPT_TICKS: usize = 120_000;
 /// Registers of the ports A to C.
 const PORTS: std::ops::Range<u64> = 0x4002_0000..0x4002_0C00;
 
@@ -181,6 +183,18 @@ impl World {
         self.script.insert(place, (at, Box::new(act)));
     }
 
+    /// What was seen so far, but for the outputs as they are.
+    fn forget(&mut self) {
+        let as_they_are = self.commands.pop();
+        self.commands.clear();
+        self.commands.extend(as_they_are);
+        for instants in [&mut self.samples, &mut self.loads, &mut self.armed, &mut self.beats] {
+            instants.clear();
+        }
+        self.angles_rad.clear();
+        self.law_instructions.clear();
+    }
+
     /// Drives a pin at an instant.
     pub fn drive_at(&mut self, at: VirtualNanos, (port, pin): (Port, u8), high: bool) {
         self.at(at, move |_, board, _, now| board.drive(now, port, pin, high));
@@ -317,6 +331,9 @@ impl Driver<ServoBoard> for World {
                 Some(port) => port.attend(terminal, now),
                 None => self.link.attend(terminal, now),
             }
+        }
+        if self.port.is_some() && self.samples.len() > KEPT_TICKS {
+            self.forget();
         }
         if let Some(probe) = &mut self.probe {
             probe.drain(host);

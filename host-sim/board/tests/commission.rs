@@ -8,10 +8,10 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
-use board::tcp::Port;
-use common::{firmware, world};
+use board::tcp::{Pace, Port};
+use common::{firmware, ms, world};
 
 /// The board's rotor (`Rotor::paper`): the paper's machine, its field late by 2 ms and 3 ms.
 const TRUTH: [(&str, f64, f64); 6] = [
@@ -24,6 +24,10 @@ const TRUTH: [(&str, f64, f64); 6] = [
 ];
 /// Longer than everything takes, ms.
 const END_MS: f64 = 1_200_000.0;
+/// The chips are up and the drive is ready after this, ms.
+const READY_MS: f64 = 100.0;
+/// The emulator answers when the machine lets it run, not within the drive's millisecond.
+const PATIENCE: &str = "--patience-s 20";
 
 fn servo_lab() -> PathBuf {
     let built = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../target/release/servo-lab");
@@ -47,22 +51,24 @@ fn value(file: &str, key: &str) -> f64 {
 #[ignore = "three minutes, as long as the axis moves"]
 fn a_drive_is_commissioned_over_the_link_of_the_image() {
     let firmware = firmware();
-    let port = Port::open(0).unwrap();
+    let port = Port::open(0, Pace::Client).unwrap();
     let address = port.address().unwrap();
     let mut world = world(&firmware, END_MS);
-    let ended = Arc::new(AtomicBool::new(false));
+    let (ended, ready) = (Arc::new(AtomicBool::new(false)), Arc::new(AtomicBool::new(false)));
     (world.port, world.ended) = (Some(port), ended.clone());
+    let is_ready = ready.clone();
+    world.at(ms(READY_MS), move |_, _, _, _| is_ready.store(true, Ordering::Relaxed));
     let drive = std::thread::spawn(move || firmware.run(world).unwrap());
 
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("commission");
     let _ = std::fs::remove_dir_all(&folder);
     std::fs::create_dir_all(&folder).unwrap();
-    let patience = Instant::now();
-    while !run(&format!("link --tcp {address} status"), &folder).status.success() {
-        assert!(patience.elapsed() < Duration::from_secs(120), "the drive does not answer");
+    while !ready.load(Ordering::Relaxed) {
+        assert!(!drive.is_finished(), "the board ended");
+        std::thread::sleep(Duration::from_millis(10));
     }
-    let said = run(&format!("commission --tcp {address} --out done --save"), &folder);
-    let status = run(&format!("link --tcp {address} status"), &folder);
+    let said = run(&format!("commission --tcp {address} {PATIENCE} --out done --save"), &folder);
+    let status = run(&format!("link --tcp {address} {PATIENCE} status"), &folder);
     ended.store(true, Ordering::Relaxed);
     let board = drive.join().unwrap();
 
