@@ -48,7 +48,6 @@ fn value(file: &str, key: &str) -> f64 {
 }
 
 #[test]
-#[ignore = "three minutes, as long as the axis moves"]
 fn a_drive_is_commissioned_over_the_link_of_the_image() {
     let firmware = firmware();
     let port = Port::open(0, Pace::Client).unwrap();
