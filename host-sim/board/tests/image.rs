@@ -15,7 +15,6 @@ use er_servo::experiment::{Experiment, Shape};
 use er_servo::link::{Answer, Command, Refusal};
 use er_servo::parameters::TABLE;
 use er_servo::{Config, Counts, Faults, Frame, Mode, Params, State, Supervisor, step};
-use rigless::machine::Crystal;
 use rigless::mcu::Operate;
 use rigless::soc::Width;
 use wire::log::{Entry, Image, recordings};
@@ -293,15 +292,4 @@ fn the_image_sets_the_part_up_within_its_limits() {
     assert_eq!(register(0x4002_3800) >> 19 & 1, 1);
     // DBGMCU APB1_FZ: the watchdog and the timers TIM3 and TIM5 run on while a debugger holds the core.
     assert_eq!(register(0xE004_2008) & (1 << 12 | 1 << 1 | 1 << 3), 0);
-}
-
-#[test]
-fn without_its_crystal_the_drive_stays_off_and_the_watchdog_restarts_it() {
-    let firmware = firmware();
-    let mut world = world(&firmware, 2_300.0);
-    world.at(ms(0.0), |_, board, _, _| board.mcu.rcc.attach_crystals(Crystal::NONE.0, Crystal::NONE.0));
-    let run = firmware.run(world).unwrap();
-    // Two seconds of patience at the start.
-    assert_eq!(run.session.resets().len(), 1, "{:?}", run.session.resets());
-    assert!(run.driver.samples.is_empty() && run.driver.commands.iter().all(|command| !command.hv_enable));
 }
