@@ -36,6 +36,8 @@ pub enum Upset {
     },
     /// The non-maskable interrupt, which the emulator's clock security system does not raise.
     NonMaskable,
+    /// An interrupt that the image neither enables nor has a handler for comes, by its number.
+    Interrupt(u8),
 }
 
 /// Upsets the core, from outside.
@@ -69,6 +71,9 @@ const SP: usize = 13;
 const PC: usize = 15;
 const ICSR: u64 = 0xE000_ED04;
 const NMI_PENDING: u64 = 1 << 31;
+/// First of the registers that enable and pend interrupts, one bit each.
+const NVIC_ISER: u64 = 0xE000_E100;
+const NVIC_ISPR: u64 = 0xE000_E200;
 /// Number of the exception that is being handled.
 const ACTIVE: u64 = 0x1FF;
 
@@ -96,6 +101,12 @@ impl WithFlash {
             }
             Upset::NonMaskable => {
                 self.core.debugger_access(Some(NMI_PENDING), ICSR, Width::W32, now);
+            }
+            Upset::Interrupt(number) => {
+                for first in [NVIC_ISER, NVIC_ISPR] {
+                    let (register, bit) = (first + 4 * u64::from(number / 32), 1 << (number % 32));
+                    self.core.debugger_access(Some(bit), register, Width::W32, now);
+                }
             }
         }
     }

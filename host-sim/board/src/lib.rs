@@ -13,5 +13,6 @@ pub mod host;
 pub mod machine;
 pub mod rotor;
 pub mod rtt;
+pub mod tcp;
 pub mod terminal;
 pub mod world;

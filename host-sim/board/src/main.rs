@@ -7,6 +7,7 @@ use std::time::Instant;
 use board::bench::{Error, Firmware};
 use board::rotor::Rotor;
 use board::rtt::Probe;
+use board::tcp::{Pace, Port};
 use board::world::{AMPLIFIER_READY, INTERLOCK, STOP_RELEASED, World};
 use clap::Parser;
 use er_servo::experiment::{Experiment, Shape};
@@ -29,6 +30,10 @@ struct Arguments {
     /// Where the bytes of the recording go, for `servo-lab decode`.
     #[arg(long)]
     rtt: Option<PathBuf>,
+    /// Instead of a step: the command link on this port of the loopback address, for `servo-lab link --tcp 127.0.0.1:PORT`,
+    /// no faster than the clock, until Ctrl-C; 0 takes any port that is free.
+    #[arg(long, conflicts_with_all = ["step_rad", "seconds", "rtt"])]
+    tcp: Option<u16>,
 }
 
 /// The chips are up and the drive is ready after this, ns.
@@ -44,18 +49,38 @@ fn main() -> ExitCode {
     }
 }
 
+/// Nothing is wrong in it.
+fn sound_world(end_ns: u64) -> Result<World, Error> {
+    let mut world = World::new(Rotor::paper(0.0)?, VirtualNanos(end_ns));
+    for pin in [INTERLOCK, STOP_RELEASED, AMPLIFIER_READY] {
+        world.drive_at(VirtualNanos(0), pin, true);
+    }
+    Ok(world)
+}
+
+/// A day of the board, for a client.
+const DAY_NS: u64 = 86_400_000_000_000;
+
+fn serve(firmware: &Firmware, port: u16) -> Result<(), Error> {
+    let port = Port::open(port, Pace::Clock).map_err(|error| format!("--tcp {port}: {error}"))?;
+    println!("the drive is at {}; Ctrl-C ends it", port.address()?);
+    let mut world = sound_world(DAY_NS)?;
+    world.port = Some(port);
+    firmware.run(world).map(|_| ())
+}
+
 fn run(arguments: &Arguments) -> Result<(), Error> {
     if !(0.01..=100.0).contains(&arguments.seconds) {
         return Err(format!("--seconds {}: 0.01 to 100 is allowed", arguments.seconds).into());
     }
     let firmware = Firmware::read(&arguments.elf)?;
+    if let Some(port) = arguments.tcp {
+        return serve(&firmware, port);
+    }
     let image = Image::parse(&std::fs::read(&arguments.elf)?)?;
     let end_ns = READY_NS + 100_000_000 + (f64::from(arguments.seconds) * 1e9) as u64;
-    let mut world = World::new(Rotor::paper(0.0)?, VirtualNanos(end_ns));
+    let mut world = sound_world(end_ns)?;
     world.probe = Some(Probe::of(&firmware)?);
-    world.drive_at(VirtualNanos(0), INTERLOCK, true);
-    world.drive_at(VirtualNanos(0), STOP_RELEASED, true);
-    world.drive_at(VirtualNanos(0), AMPLIFIER_READY, true);
     let experiment =
         Experiment { shape: Shape::Step { amplitude_rad: arguments.step_rad }, duration_s: arguments.seconds };
     let commands = [

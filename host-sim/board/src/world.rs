@@ -1,6 +1,8 @@
 //! Everything around the MCU: the rotor behind the chips, what a test does to the board and when, and what was seen.
 
 use std::collections::VecDeque;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use plant::chips::Chip;
 use plant::chips::ad2s1210::Pin as ResolverPin;
@@ -15,11 +17,14 @@ use crate::host::Host as LinkHost;
 use crate::machine::{Port, ServoBoard};
 use crate::rotor::Rotor;
 use crate::rtt::Probe;
+use crate::tcp::Port as TcpPort;
 use crate::terminal::BYTE_NS;
 
 /// Longest way between two looks at the world, ns: one tick. The rotor does not depend on it: it is moved exactly to every
 /// sample and every change of command.
 const STRIDE_NS: u64 = 500_000;
+/// With a client, who may stay for days, what was seen is forgotten after so many ticks: a minute.
+const KEPT_TICKS: usize = 120_000;
 /// Registers of the ports A to C.
 const PORTS: std::ops::Range<u64> = 0x4002_0000..0x4002_0C00;
 
@@ -75,6 +80,10 @@ pub struct World {
     pub rotor: Rotor,
     /// The user at the far end of the command link.
     pub link: LinkHost,
+    /// In the place of that user, one behind a port of this machine.
+    pub port: Option<TcpPort>,
+    /// Ends the run before its time.
+    pub ended: Arc<AtomicBool>,
     /// The sectors of flash that hold the parameters; they outlive the run.
     pub flash: Shared,
     /// Upsets the core.
@@ -138,6 +147,8 @@ impl World {
         Self {
             rotor,
             link: LinkHost::default(),
+            port: None,
+            ended: Arc::default(),
             flash: Shared::default(),
             hand: Hand::default(),
             probe: None,
@@ -170,6 +181,18 @@ impl World {
     ) {
         let place = self.script.partition_point(|(when, _)| *when <= at);
         self.script.insert(place, (at, Box::new(act)));
+    }
+
+    /// What was seen so far, but for the outputs as they are.
+    fn forget(&mut self) {
+        let as_they_are = self.commands.pop();
+        self.commands.clear();
+        self.commands.extend(as_they_are);
+        for instants in [&mut self.samples, &mut self.loads, &mut self.armed, &mut self.beats] {
+            instants.clear();
+        }
+        self.angles_rad.clear();
+        self.law_instructions.clear();
     }
 
     /// Drives a pin at an instant.
@@ -304,12 +327,18 @@ impl Driver<ServoBoard> for World {
             self.take_commands(session.board_mut(), now);
         }
         if let Some(terminal) = session.board_mut().terminal() {
-            self.link.attend(terminal, now);
+            match &mut self.port {
+                Some(port) => port.attend(terminal, now),
+                None => self.link.attend(terminal, now),
+            }
+        }
+        if self.port.is_some() && self.samples.len() > KEPT_TICKS {
+            self.forget();
         }
         if let Some(probe) = &mut self.probe {
             probe.drain(host);
         }
-        if now >= self.until {
+        if now >= self.until || self.ended.load(Ordering::Relaxed) {
             return None;
         }
         // A byte that is due and not taken (the receiver is off) is offered again a byte's time later.

@@ -18,11 +18,19 @@ const TO_OUTPUT_NS: u64 = SAMPLE_TO_OUTPUT_NS as u64;
 const MOVING_MS: f64 = 100.0;
 /// What is left of an experiment after that.
 const END_MS: f64 = 108.0;
+/// The watchdog has restarted the drive after at most 196 ms, and it has come up again.
+const RESTARTED_MS: f64 = MOVING_MS + 300.0;
+/// An interrupt that the image does not use.
+const EXTI0: u8 = 6;
 /// A core that is disturbed needs this long to its first output, ns: entry, and the few instructions of a handler.
 const AT_ONCE_NS: u64 = 2_000;
 
 fn moving(firmware: &Firmware) -> World {
-    let mut world = world(firmware, END_MS);
+    moving_until(firmware, END_MS)
+}
+
+fn moving_until(firmware: &Firmware, end_ms: f64) -> World {
+    let mut world = world(firmware, end_ms);
     world.link.at(ms(74.0), Command::StartRecording { run: 1, over_link: false });
     world.link.at(ms(80.0), ENABLE);
     world.link.at(ms(84.0), run_alone(Shape::Step { amplitude_rad: 0.5 }, 1.0));
@@ -132,4 +140,22 @@ fn a_core_that_stops_for_good_takes_the_outputs_off_at_once_whatever_ldac_does()
             assert!(commands.iter().all(|command| command.at <= off.at || is_off(command)), "{what}");
         }
     }
+}
+
+#[test]
+fn an_interrupt_without_a_handler_takes_the_outputs_off_and_is_told_after_the_restart() {
+    let firmware = firmware();
+    // At the beginning of a tick, whose priority is the same: it waits for the tick's end.
+    let at = VirtualNanos(sample_after_ms(&firmware, MOVING_MS) + 500);
+    let mut world = moving_until(&firmware, RESTARTED_MS);
+    world.at(at, |world, _, _, _| world.hand.upset(Upset::Interrupt(EXTI0)));
+    let run = firmware.run(world).unwrap();
+    let commands = &run.driver.commands;
+    let off = commands.iter().find(|command| command.at >= at && is_off(command)).unwrap();
+    println!("off {} ns after the interrupt", off.at.0 - at.0);
+    assert!(off.at.0 <= at.0 + TO_OUTPUT_NS, "{off:?}");
+    assert!(commands.iter().all(|command| command.at <= off.at || is_off(command)));
+    assert_eq!(run.session.resets().len(), 1);
+    let events = events(&log(&run));
+    assert!(events.iter().any(|event| event.contains("has no handler")), "{events:?}");
 }

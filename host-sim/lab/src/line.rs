@@ -66,7 +66,16 @@ impl Line {
     ///
     /// [`Error::Connection`].
     pub fn connect(&self) -> Result<Connection<Box<dyn Stream>>, Error> {
-        Connection::open(self.open()?, Persistence::default()).map_err(|error| self.error(error))
+        self.connect_with(Persistence::default())
+    }
+
+    /// The same with another patience: a simulated drive may be slower than the clock.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Connection`].
+    pub fn connect_with(&self, persistence: Persistence) -> Result<Connection<Box<dyn Stream>>, Error> {
+        Connection::open(self.open()?, persistence).map_err(|error| self.error(error))
     }
 
     /// An error of the link as one of the tool.

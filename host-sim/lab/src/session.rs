@@ -5,13 +5,13 @@
 
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::thread;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use er_servo::experiment::Experiment;
 use er_servo::link::{Command, Status};
 use er_servo::parameters::TABLE;
 use er_servo::{Config, Counts, Faults, Supervisor};
-use wire::connection::{Connection, LinkError};
+use wire::connection::{Connection, LinkError, Persistence};
 use wire::log::{Recording as Run, recordings};
 
 use crate::Error;
@@ -22,8 +22,9 @@ use crate::read::Recording;
 
 /// Time between two words that keep the link alive; the drive takes 250 ms of silence for a fault.
 const BEAT: Duration = Duration::from_millis(20);
-/// A request acts in the next tick, a stop takes up to `stop_time_s`, 5 s at most.
-const TAKES_EFFECT: Duration = Duration::from_secs(8);
+/// A request acts in the next tick, a stop takes up to `stop_time_s`, 5 s at most: 8 s, in ticks, as the time of a simulated
+/// drive is not that of the clock.
+const TAKES_EFFECT_TICKS: u32 = 16_000;
 /// States, as [`Status::state`] has them.
 const READY: u8 = 1;
 const RUNNING: u8 = 2;
@@ -46,8 +47,8 @@ impl Session {
     /// # Errors
     ///
     /// No connection, a drive of another release, one that another client commands or that is not ready.
-    pub fn open(line: Line, interrupt: Interrupt) -> Result<Self, Error> {
-        let connection = line.connect()?;
+    pub fn open(line: Line, persistence: Persistence, interrupt: Interrupt) -> Result<Self, Error> {
+        let connection = line.connect_with(persistence)?;
         let mut session = Self { line, connection, interrupt, runs: 0 };
         if session.connection.observer {
             return Err(session.refused("another client commands the drive".to_owned()));
@@ -272,13 +273,13 @@ impl Session {
     }
 
     fn wait(&mut self, what: &str, shows: impl Fn(&Status) -> bool) -> Result<(), Error> {
-        let deadline = Instant::now() + TAKES_EFFECT;
+        let begin = self.status()?.tick;
         loop {
             let status = self.status()?;
             if shows(&status) {
                 return Ok(());
             }
-            if Instant::now() > deadline || status.state == FAULT {
+            if status.tick.wrapping_sub(begin) > TAKES_EFFECT_TICKS || status.state == FAULT {
                 return Err(self.refused(format!("{what}: {}", told(&status))));
             }
         }

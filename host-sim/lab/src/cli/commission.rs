@@ -43,7 +43,7 @@ pub fn run(args: &Args) -> Result<(), Error> {
         return Err(Error::Usage(format!("--step-deg: {} is not allowed, 2 to 25 is", args.step_deg)));
     }
     let wanted = Wanted { plan, step_rad: args.step_deg.to_radians(), save: args.save };
-    let mut session = Session::open(args.line.line(), Interrupt::watch()?)?;
+    let mut session = Session::open(args.line.line(), args.line.persistence(), Interrupt::watch()?)?;
     let outcome = carried_out(args, &wanted, &mut session);
     session.close();
     outcome

@@ -10,7 +10,7 @@ use std::time::Duration;
 
 use er_servo::Counts;
 use er_servo::link::{self, BAUD, Command, Pace};
-use wire::connection::Connection;
+use wire::connection::{Connection, Persistence};
 use wire::parameter::{check, find};
 
 use super::record::csv_name;
@@ -45,9 +45,27 @@ pub(super) struct LineArgs {
     /// Baud rate of the serial port, 8N1.
     #[arg(long, default_value_t = BAUD, conflicts_with = "tcp")]
     baud: u32,
+    /// Time to wait for an answer before the packet is sent again, up to 6 times. More for a simulated drive that is slower than
+    /// the clock; one that runs takes 0.25 s without a word for a lost link.
+    #[arg(long, value_name = "S", default_value = "0.1", value_parser = patience)]
+    patience_s: Duration,
+}
+
+/// Less than the turnaround of a USB adapter finds no drive; more than a minute, six times, is a hung one.
+fn patience(text: &str) -> Result<Duration, String> {
+    let seconds: f64 = text.parse().map_err(|_| format!("`{text}` is not a number"))?;
+    if (0.02..=60.0).contains(&seconds) {
+        Ok(Duration::from_secs_f64(seconds))
+    } else {
+        Err("0.02 to 60 is allowed".to_owned())
+    }
 }
 
 impl LineArgs {
+    pub(super) fn persistence(&self) -> Persistence {
+        Persistence { patience: self.patience_s, ..Persistence::default() }
+    }
+
     pub(super) fn line(&self) -> Line {
         match (&self.place.port, &self.place.tcp) {
             (Some(port), _) => Line::Serial { port: port.clone(), baud: self.baud },
@@ -217,11 +235,11 @@ fn assignment(text: &str) -> Result<(String, f32), String> {
 pub fn run(args: &Args) -> Result<(), Error> {
     args.action.check()?;
     let record = args.action.record()?;
-    let line = args.line.line();
+    let (line, persistence) = (args.line.line(), args.line.persistence());
     if let Action::Identify(args) = &args.action {
-        return identify::run(args, line);
+        return identify::run(args, line, persistence);
     }
-    let mut drive = Drive { connection: line.connect()?, line };
+    let mut drive = Drive { connection: line.connect_with(persistence)?, line };
     let outcome = match (&args.action, record) {
         (Action::Run(run), Some(out)) => drive.run_recorded(run, out),
         (action, _) => drive.carry_out(action),

@@ -62,6 +62,9 @@ pub struct Commissioned {
 const STEP_S: f32 = 1.5;
 /// A tuned step may settle so much slower than the one before, a factor: noise of a single step.
 const NO_SLOWER: f64 = 1.1;
+/// By how much each delay may be off, shares, the first that gains can bear: what `tune` asks for by default, of delays that
+/// nobody need have measured, and less, as these are measured to a hundredth and only drift.
+const UNCERTAINTIES: [f64; 4] = [0.5, 0.4, 0.3, 0.2];
 /// Largest overshoot of the tuned step, share: what `tune` allows by default, and as much again for what no model has.
 const MOST_OVERSHOOT: f64 = 0.04;
 
@@ -175,11 +178,20 @@ fn lasting(machine: &Machine, answer: &Answer) -> Vec<EffectEntry> {
     effects.map(entry).collect()
 }
 
-/// The machine with tuned gains, and what the tuning says of them.
+/// The machine with tuned gains, and what the tuning says of them: how far the delays may be off is part of it.
 fn tuned(session: &Session, machine: Machine, config: &Config, wanted: &Wanted) -> Result<(Machine, String), Error> {
-    let task = task(&machine, config, wanted);
-    let (tuned, task) = session.computed(move || (tune(&task), task))?;
-    let tuning = tuned?;
+    let tasks = UNCERTAINTIES.map(|uncertainty| Task { uncertainty, ..task(&machine, config, wanted) });
+    let search = move || {
+        let mut last = None;
+        for task in tasks {
+            match tune(&task) {
+                Ok(tuning) => return Ok((task, tuning)),
+                Err(error) => last = Some(error),
+            }
+        }
+        Err(last.unwrap_or_else(|| Error::Usage("nothing was searched".to_owned())))
+    };
+    let (task, tuning) = session.computed(search)??;
     Ok((crate::tune::machine(&task, &tuning, Some(machine)), summary(&task, &tuning)))
 }
 

@@ -2,6 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
+use wire::connection::Persistence;
+
 use crate::identify::{Event, Identified, Plan, applied, commented, identify, machine, text};
 use crate::interrupt::Interrupt;
 use crate::line::Line;
@@ -60,9 +62,9 @@ impl Travel {
 ///
 /// # Errors
 /// No connection, a drive that refuses or trips, recordings that do not determine the machine, outputs that cannot be written.
-pub fn run(args: &Args, line: Line) -> Result<(), Error> {
+pub fn run(args: &Args, line: Line, persistence: Persistence) -> Result<(), Error> {
     let plan = args.travel.plan()?;
-    let mut session = Session::open(line, Interrupt::watch()?)?;
+    let mut session = Session::open(line, persistence, Interrupt::watch()?)?;
     let outcome = carried_out(args, &plan, &mut session);
     session.close();
     outcome
