@@ -5,7 +5,6 @@ use diagnosis::likelihood::Noise;
 use diagnosis::physics::Physics;
 use diagnosis::problem::Problem;
 use diagnosis::ranking::{Contender, rank};
-use diagnosis::recorded::Recorded;
 use er_servo::experiment::{Experiment, Shape};
 use rayon::prelude::*;
 use serde::Serialize;
