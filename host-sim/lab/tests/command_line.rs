@@ -186,6 +186,39 @@ fn a_late_viscosity_is_bounded_unless_it_is_read_as_printed() {
 }
 
 #[test]
+fn the_physics_of_a_fluid_acts_in_simulations_and_nowhere_is_it_ignored() {
+    let folder = folder();
+    let at = folder.path();
+    fs::write(at.join("plain.toml"), MACHINE).unwrap();
+    let with = |keys: &str| fs::write(at.join("fluid.toml"), format!("{MACHINE}[plant.er.fluid]\n{keys}\n")).unwrap();
+    let simulated = |machine: &str| {
+        printed(at, &format!("simulate step --duration-s 0.2 --machine {machine} --out {machine}.csv --force"));
+        fs::read_to_string(at.join(format!("{machine}.csv"))).unwrap()
+    };
+    let plain = simulated("plain.toml");
+    with("");
+    assert_eq!(simulated("fluid.toml"), plain, "defaults change nothing");
+    for keys in [
+        "consistency = 0.3\nflow_exponent = 0.5",
+        "rise_exponent = 2.0",
+        "above_reference_k = 10.0\nyield_per_k = 0.02",
+        "electrode_capacitance_f = 1e-8\namplifier_current_a = 1e-4\ngap_m = 5e-4",
+    ] {
+        with(keys);
+        assert_ne!(simulated("fluid.toml"), plain, "{keys}");
+    }
+    refused(at, "simulate step --machine fluid.toml --fluid q --dead-time-ms 5", "plant.er.fluid: follows a field");
+    refused(at, "delays --machine fluid.toml plain.toml.csv", "plant.er.fluid: is for `simulate` and `tune`");
+    refused(at, "diagnose --machine fluid.toml plain.toml.csv", "plant.er.fluid: is for `simulate` and `tune`");
+    refused(at, "compare --machine fluid.toml plain.toml.csv", "plant.er.fluid: is for `simulate` and `tune`");
+    refused(at, "stability --machine fluid.toml", "plant.er.fluid: is for `simulate` and `tune`");
+    with("gap_m = 5e-4");
+    refused(at, "simulate step --machine fluid.toml", "plant.er.fluid.electrode_capacitance_f: is missing");
+    with("flow_exponents = 0.5");
+    refused(at, "simulate step --machine fluid.toml", "the nearest key is `flow_exponent`");
+}
+
+#[test]
 fn flags_that_do_not_exist_or_lack_a_value_exit_with_2() {
     let folder = tempfile::tempdir().unwrap();
     for line in [

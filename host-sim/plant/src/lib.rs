@@ -26,6 +26,7 @@ mod actuation;
 pub mod chips;
 mod command;
 pub mod effects;
+pub mod er_fluid;
 mod error;
 pub mod laws;
 mod mechanics;

@@ -1,6 +1,7 @@
 //! The machine as numbers.
 
 use crate::effects::{Asymmetry, Gravity, Harmonic, Pulse, Shaft, Stribeck, Vibration, Warming, friction, position};
+use crate::er_fluid::{FlowCurve, Kinetics};
 use crate::{Error, sensor::SensorModel};
 
 /// Everything the physics knows of a machine. SI; torques in N m or N, see the crate documentation.
@@ -120,6 +121,10 @@ pub struct FieldResponse {
     pub rise_s: f64,
     /// Time constant while the field falls, s.
     pub fall_s: f64,
+    /// How both depend on the field; the default is not at all.
+    pub kinetics: Kinetics,
+    /// The fluid's own flow beside its yield; none for the set-valued a E^2 + b E alone, as in the paper.
+    pub flow: Option<FlowCurve>,
 }
 
 /// A slew limit beyond this is none: 3.5 kV/mm pass in 35 ns, and the formulas of a ramp would lose their digits.
@@ -128,7 +133,7 @@ const FASTEST_SLEW_KV_MM_S: f64 = 1e8;
 impl FieldResponse {
     /// Dead time and one lag for both directions, s.
     pub fn new(dead_time_s: f64, lag_s: f64) -> Self {
-        Self { dead_time_s, slew_kv_mm_s: None, rise_s: lag_s, fall_s: lag_s }
+        Self { dead_time_s, rise_s: lag_s, fall_s: lag_s, ..Self::default() }
     }
 }
 
@@ -240,7 +245,18 @@ impl Er {
             positive("er.preyield_stiffness", stiffness)?;
         }
         match *response {
-            FluidResponse::Field(FieldResponse { dead_time_s, slew_kv_mm_s, rise_s, fall_s }) => {
+            FluidResponse::Field(FieldResponse { dead_time_s, slew_kv_mm_s, rise_s, fall_s, kinetics, flow }) => {
+                kinetics.validate()?;
+                flow.map_or(Ok(()), |flow| {
+                    let rigid = preyield_stiffness.is_none();
+                    check(
+                        "er.flow.exponent",
+                        flow.exponent,
+                        rigid,
+                        "left out where the fluid is a spring below yield",
+                    )?;
+                    flow.validate()
+                })?;
                 not_negative("er.dead_time_s", dead_time_s)?;
                 not_negative("er.rise_s", rise_s)?;
                 not_negative("er.fall_s", fall_s)?;

@@ -1,6 +1,7 @@
 //! The machine in closed loop.
 
 use crate::actuation::Actuation;
+use crate::er_fluid::FlowCurve;
 use crate::{Command, Er, Error, FluidResponse, Mechanics, Model, Segment, State};
 
 /// Actuation and mechanics together, one command at a time.
@@ -88,7 +89,10 @@ impl Plant {
         let dt_s = segment.end_s - segment.start_s;
         let fluid = segment.fluid.at(dt_s);
         match er.response {
-            FluidResponse::Field(_) => (a * fluid + b) * fluid,
+            FluidResponse::Field(field) => {
+                let flow = |curve: FlowCurve| curve.torque(curve.at(er.field_gain * fluid), self.state.velocity.abs());
+                (a * fluid + b) * fluid + field.flow.map_or(0.0, flow)
+            }
             FluidResponse::ViscosityDeadTime { torque_limit, .. }
             | FluidResponse::ViscosityLag { torque_limit, .. } => {
                 (fluid * self.state.velocity.abs()).min(torque_limit) + segment.brake_torque.at(dt_s)

@@ -5,8 +5,8 @@
 mod common;
 
 use common::{TICK_S, command, every_effect, run};
-use plant::Model;
 use plant::effects::{Harmonic, Warming};
+use plant::{FieldResponse, FluidResponse, Model};
 
 /// Position after each tick by Euler steps, `steps` to a tick; undelayed torque, field dead time 2 ms and lag 3 ms.
 fn brute_force(model: &Model, ticks: usize, steps: usize) -> Vec<f64> {
@@ -35,6 +35,10 @@ fn brute_force(model: &Model, ticks: usize, steps: usize) -> Vec<f64> {
                 .vibration
                 .map_or(0.0, |v| v.amplitude * (std::f64::consts::TAU * v.frequency_hz * t_s + v.phase_rad).sin());
             let mut hold = if model.presliding_stiffness.is_some() { 0.0 } else { model.coulomb };
+            if let FluidResponse::Field(FieldResponse { flow: Some(flow), .. }) = er.response {
+                let consistency = flow.consistency + flow.consistency_per_kv_mm * acting;
+                push -= consistency * speed * (speed * speed + 0.002 * 0.002).powf(0.5 * (flow.exponent - 1.0));
+            }
             if let Some(stiffness) = er.preyield_stiffness {
                 spring = (spring + stiffness * speed * h).clamp(-level, level);
                 push -= spring;
@@ -90,6 +94,8 @@ fn brute_force_converges_to_every_law() {
         "viscosity_dead_time",
         "viscosity_lag",
         "field_lag_asymmetry",
+        "kinetics",
+        "kinetics behind a slew limit",
         "field_slew_limit",
         "field_slew_limit and asymmetry",
         "torque_deadband",

@@ -43,7 +43,7 @@ pub use columns::Column;
 pub use error::Error;
 pub use guess::{Given, Guess, guess};
 pub use log_file::READABLE;
-pub use machine::{Axis, AxisKind, EffectEntry, ErNominal, Machine, PlantNominal};
+pub use machine::{Axis, AxisKind, EffectEntry, ErElectrode, ErFluid, ErNominal, Machine, PlantNominal};
 pub use mapping::{MapFlag, MappedColumn, Mapping};
 pub use mode::Mode;
 pub use nearest::nearest;

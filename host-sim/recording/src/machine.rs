@@ -48,6 +48,42 @@ pub struct ErNominal {
     pub dead_time_s: f64,
     /// First-order lag of the field, s.
     pub lag_s: f64,
+    /// Section `[plant.er.fluid]`; none where it is left out.
+    pub fluid: Option<ErFluid>,
+}
+
+/// Section `[plant.er.fluid]`: what a real fluid has beyond a E^2 + b E, for simulations. Defaults change nothing.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ErFluid {
+    /// Consistency without a field, N m (s/rad)^n.
+    pub consistency: f64,
+    /// What a field adds to the consistency, N m (s/rad)^n per kV/mm.
+    pub consistency_per_kv_mm: f64,
+    /// n: exponent of the speed in the flow curve, 0.1 to 1.
+    pub flow_exponent: f64,
+    /// `lag_s` is that of a rise to 1 kV/mm; of others it is divided by this power of their field, 0 to 2.
+    pub rise_exponent: f64,
+    /// The same of a fall and the field it begins at, 0 to 2.
+    pub fall_exponent: f64,
+    /// Temperature of the fluid less the one its other values belong to, K.
+    pub above_reference_k: f64,
+    /// Relative fall of a E^2 + b E for a kelvin, 1/K; negative where it rises.
+    pub yield_per_k: f64,
+    /// Relative fall of the consistency for a kelvin, 1/K.
+    pub viscosity_per_k: f64,
+    /// Electrodes and their amplifier; none for an amplifier without a limit of its current.
+    pub electrode: Option<ErElectrode>,
+}
+
+/// Electrodes as a capacitor behind an amplifier of limited current; all three keys stand together.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ErElectrode {
+    /// Key `electrode_capacitance_f`: F.
+    pub capacitance_f: f64,
+    /// Key `amplifier_current_a`: largest current either way, A.
+    pub current_a: f64,
+    /// Key `gap_m`: distance of the electrodes, m.
+    pub gap_m: f64,
 }
 
 /// Section `[plant]`; units follow the axis.

@@ -6,7 +6,7 @@ use super::controller::controller_config;
 use super::nearest::{nearest, quoted};
 use super::toml_section::{Section, Source};
 use super::vocabulary::{self, Allowed, EffectKind, Occurs};
-use super::{Axis, AxisKind, EffectEntry, ErNominal, Machine, Mapping, PlantNominal};
+use super::{Axis, AxisKind, EffectEntry, ErElectrode, ErFluid, ErNominal, Machine, Mapping, PlantNominal};
 use crate::Error;
 
 /// The version of the format this tool reads and writes.
@@ -100,14 +100,63 @@ fn plant(section: &Section<'_, '_>) -> Result<PlantNominal, Error> {
 }
 
 fn er(section: &Section<'_, '_>) -> Result<ErNominal, Error> {
-    section.only(&["a", "b", "dead_time_s", "lag_s"])?;
+    section.only(&["a", "b", "dead_time_s", "lag_s", "fluid"])?;
     let or_zero = |key, allowed| Ok::<_, Error>(section.number(key, allowed)?.unwrap_or(0.0));
     Ok(ErNominal {
         a: or_zero("a", Allowed::AtLeastZero)?,
         b: or_zero("b", Allowed::AtLeastZero)?,
         dead_time_s: or_zero("dead_time_s", DELAY)?,
         lag_s: or_zero("lag_s", DELAY)?,
+        fluid: section.section("fluid")?.map(|section| fluid(&section)).transpose()?,
     })
+}
+
+/// Powers of the field in a time constant, and the relative change of a property by a kelvin: a factor of e is more than any has.
+const POWER: Allowed = Allowed::Between(0.0, 2.0);
+const PER_K: Allowed = Allowed::Between(-1.0, 1.0);
+/// Further from its reference no liquid stays one, K.
+const WARMER: Allowed = Allowed::Between(-200.0, 200.0);
+
+fn fluid(section: &Section<'_, '_>) -> Result<ErFluid, Error> {
+    section.only(&[
+        "consistency",
+        "consistency_per_kv_mm",
+        "flow_exponent",
+        "rise_exponent",
+        "fall_exponent",
+        "above_reference_k",
+        "yield_per_k",
+        "viscosity_per_k",
+        "electrode_capacitance_f",
+        "amplifier_current_a",
+        "gap_m",
+    ])?;
+    let or = |key, allowed, default| Ok::<_, Error>(section.number(key, allowed)?.unwrap_or(default));
+    Ok(ErFluid {
+        consistency: or("consistency", Allowed::AtLeastZero, 0.0)?,
+        consistency_per_kv_mm: or("consistency_per_kv_mm", Allowed::AtLeastZero, 0.0)?,
+        flow_exponent: or("flow_exponent", Allowed::Between(0.1, 1.0), 1.0)?,
+        rise_exponent: or("rise_exponent", POWER, 0.0)?,
+        fall_exponent: or("fall_exponent", POWER, 0.0)?,
+        above_reference_k: or("above_reference_k", WARMER, 0.0)?,
+        yield_per_k: or("yield_per_k", PER_K, 0.0)?,
+        viscosity_per_k: or("viscosity_per_k", PER_K, 0.0)?,
+        electrode: electrode(section)?,
+    })
+}
+
+/// None where none of the three keys stands; an error where one is missing beside another.
+fn electrode(section: &Section<'_, '_>) -> Result<Option<ErElectrode>, Error> {
+    let keys = ["electrode_capacitance_f", "amplifier_current_a", "gap_m"];
+    let mut given = false;
+    for key in keys {
+        given |= section.number(key, Allowed::AboveZero)?.is_some();
+    }
+    if !given {
+        return Ok(None);
+    }
+    let value = |key| section.required_number(key, Allowed::AboveZero);
+    Ok(Some(ErElectrode { capacitance_f: value(keys[0])?, current_a: value(keys[1])?, gap_m: value(keys[2])? }))
 }
 
 fn effects(sections: &[Section<'_, '_>], axis: AxisKind) -> Result<Vec<EffectEntry>, Error> {

@@ -6,7 +6,7 @@ use serde::ser::{SerializeMap, Serializer};
 use super::controller::controller_pairs;
 use super::machine_file::SCHEMA;
 use super::toml_section::Setting;
-use super::{AxisKind, EffectEntry, Machine, MappedColumn, Mapping};
+use super::{AxisKind, EffectEntry, ErFluid, Machine, MappedColumn, Mapping};
 
 impl Machine {
     /// The text of a machine file that reads back as this machine, every number to the same bits.
@@ -46,7 +46,11 @@ impl Serialize for FileForm<'_> {
             .er
             .as_ref()
             .map(|er| [("a", er.a), ("b", er.b), ("dead_time_s", er.dead_time_s), ("lag_s", er.lag_s)]);
-        let below = er.as_ref().map(|er| ("er", &er[..]));
+        let fluid = plant.er.as_ref().and_then(|er| er.fluid.as_ref()).map(fluid_keys);
+        let fluid = fluid.as_ref().map(|fluid| Keys { texts: &[], numbers: fluid, below: None });
+        let er =
+            er.as_ref().map(|er| Keys { texts: &[], numbers: er, below: fluid.as_ref().map(|keys| ("fluid", keys)) });
+        let below = er.as_ref().map(|keys| ("er", keys));
         top.serialize_entry("plant", &Keys { texts: &[], numbers: &plant_keys, below })?;
         if let Some(controller) = controller {
             top.serialize_entry("controller", &Settings(&controller_pairs(controller)))?;
@@ -61,11 +65,31 @@ impl Serialize for FileForm<'_> {
     }
 }
 
-/// A section: texts, numbers, and at most one section of numbers below it.
+/// The keys of `[plant.er.fluid]`.
+fn fluid_keys(fluid: &ErFluid) -> Vec<(&'static str, f64)> {
+    let mut keys = vec![
+        ("consistency", fluid.consistency),
+        ("consistency_per_kv_mm", fluid.consistency_per_kv_mm),
+        ("flow_exponent", fluid.flow_exponent),
+        ("rise_exponent", fluid.rise_exponent),
+        ("fall_exponent", fluid.fall_exponent),
+        ("above_reference_k", fluid.above_reference_k),
+        ("yield_per_k", fluid.yield_per_k),
+        ("viscosity_per_k", fluid.viscosity_per_k),
+    ];
+    if let Some(electrode) = fluid.electrode {
+        keys.push(("electrode_capacitance_f", electrode.capacitance_f));
+        keys.push(("amplifier_current_a", electrode.current_a));
+        keys.push(("gap_m", electrode.gap_m));
+    }
+    keys
+}
+
+/// A section: texts, numbers, and at most one section below it.
 struct Keys<'a> {
     texts: &'a [(&'a str, &'a str)],
     numbers: &'a [(&'a str, f64)],
-    below: Option<(&'a str, &'a [(&'a str, f64)])>,
+    below: Option<(&'a str, &'a Keys<'a>)>,
 }
 
 impl Serialize for Keys<'_> {
@@ -77,8 +101,8 @@ impl Serialize for Keys<'_> {
         for (key, number) in self.numbers {
             section.serialize_entry(key, number)?;
         }
-        if let Some((key, numbers)) = self.below {
-            section.serialize_entry(key, &Keys { texts: &[], numbers, below: None })?;
+        if let Some((key, below)) = self.below {
+            section.serialize_entry(key, below)?;
         }
         section.end()
     }

@@ -9,7 +9,7 @@ use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use recording::Error;
 use recording::vocabulary::{Allowed, EFFECTS, LARGEST, Occurs, SMALLEST};
-use recording::{Axis, AxisKind, EffectEntry, ErNominal, Machine, Mode, PlantNominal, Recording};
+use recording::{Axis, AxisKind, EffectEntry, ErElectrode, ErFluid, ErNominal, Machine, Mode, PlantNominal, Recording};
 
 fn finite() -> impl Strategy<Value = f64> {
     prop_oneof![any::<f64>().prop_filter("finite", |value| value.is_finite()), -10.0..10.0, Just(-0.0), Just(5e-324)]
@@ -127,11 +127,28 @@ fn effects(axis: AxisKind) -> impl Strategy<Value = Vec<EffectEntry>> {
     entries
 }
 
+fn fluid() -> impl Strategy<Value = ErFluid> {
+    let flow = (0.0..9.0, 0.0..9.0, 0.1..=1.0, 0.0..=2.0, 0.0..=2.0);
+    let temperature = (-200.0..=200.0, -1.0..=1.0, -1.0..=1.0);
+    let electrode = proptest::option::of((1e-12..1e-3, 1e-9..1.0, 1e-6..0.1));
+    (flow, temperature, electrode).prop_map(|(flow, temperature, electrode)| ErFluid {
+        consistency: flow.0,
+        consistency_per_kv_mm: flow.1,
+        flow_exponent: flow.2,
+        rise_exponent: flow.3,
+        fall_exponent: flow.4,
+        above_reference_k: temperature.0,
+        yield_per_k: temperature.1,
+        viscosity_per_k: temperature.2,
+        electrode: electrode.map(|(capacitance_f, current_a, gap_m)| ErElectrode { capacitance_f, current_a, gap_m }),
+    })
+}
+
 fn machine() -> impl Strategy<Value = Machine> {
     let plant = (
         (1e-9..1e9, allowed(Allowed::AtLeastZero), allowed(Allowed::AtLeastZero), 1e-3..1e3),
         (of_a_machine(), proptest::option::of(1e-9..1e9), 0.0..=1.0, 0.0..=1.0),
-        proptest::option::of((0.0..9.0, 0.0..9.0, 0.0..=1.0, 0.0..=1.0)),
+        proptest::option::of((0.0..9.0, 0.0..9.0, 0.0..=1.0, 0.0..=1.0, proptest::option::of(fluid()))),
     );
     let plant =
         plant.prop_map(|((inertia, coulomb, viscous, gain), (offset, limit, to_output, delay), er)| PlantNominal {
@@ -143,7 +160,7 @@ fn machine() -> impl Strategy<Value = Machine> {
             torque_limit: limit,
             sample_to_output_s: to_output,
             torque_delay_s: delay,
-            er: er.map(|(a, b, dead_time_s, lag_s)| ErNominal { a, b, dead_time_s, lag_s }),
+            er: er.map(|(a, b, dead_time_s, lag_s, fluid)| ErNominal { a, b, dead_time_s, lag_s, fluid }),
         });
     let axis = (axis_kind(), 1e-9..=1.0, 0.0..1.0).prop_map(|(kind, sample_period_s, resolution)| Axis {
         kind,

@@ -183,7 +183,10 @@ fn half_size(points: &[Point]) -> Point {
 #[must_use]
 pub fn machine(task: &Task, tuning: &Tuning, read: Option<Machine>) -> Machine {
     let controller = Some(config_for(&task.config, tuning.best.gains, &task.model, task.uncertainty));
-    let plant = nominal(&task.model, read.as_ref().map_or(0.0, |machine| machine.plant.sample_to_output_s));
+    let mut plant = nominal(&task.model, read.as_ref().map_or(0.0, |machine| machine.plant.sample_to_output_s));
+    if let (Some(er), Some(read)) = (&mut plant.er, read.as_ref().and_then(|machine| machine.plant.er.as_ref())) {
+        er.fluid = read.fluid.clone();
+    }
     match read {
         Some(machine) => Machine { plant, controller, ..machine },
         None => Machine {
@@ -221,7 +224,7 @@ fn nominal(model: &Model, sample_to_output_s: f64) -> PlantNominal {
                 FluidResponse::ViscosityDeadTime { dead_time_s, .. } => (dead_time_s, 0.0),
                 FluidResponse::ViscosityLag { lag_s, .. } => (0.0, lag_s),
             };
-            ErNominal { a: er.a, b: er.b, dead_time_s: from_output_s(dead_time_s), lag_s }
+            ErNominal { a: er.a, b: er.b, dead_time_s: from_output_s(dead_time_s), lag_s, fluid: None }
         }),
     }
 }

@@ -1,12 +1,13 @@
 //! Flags that choose the machine and its fluid, shared by the commands that simulate.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use diagnosis::physics::Physics;
+use plant::er_fluid::{Electrode, FlowCurve, Kinetics, Temperature};
 use plant::{Er, FieldResponse, FluidResponse, Model};
 
 use crate::Error;
-use crate::read::{AxisKind, Machine};
+use crate::read::{AxisKind, ErElectrode, ErFluid, Machine};
 
 /// Longest delay a flag may ask for, ms; that of machine files.
 const LONGEST_DELAY_MS: f64 = 1000.0;
@@ -53,6 +54,7 @@ impl MachineArgs {
     /// A machine file that cannot be read, a linear axis, or delays that do not fit the delay model.
     pub fn build(&self) -> Result<(Model, er_servo::Config), Error> {
         self.check_delays()?;
+        let mut fluid = None;
         let (mut model, config) = match &self.machine {
             None => (paper(), er_servo::Config::default()),
             Some(file) => {
@@ -62,6 +64,7 @@ impl MachineArgs {
                         "the control law drives a rotary axis; a linear machine can be compared, not simulated";
                     return Err(Error::input(file, None, "axis.kind", message));
                 }
+                fluid = machine.plant.er.as_ref().and_then(|er| er.fluid.clone());
                 (Physics::nominal(&machine, &[]).model_of(0), machine.controller.unwrap_or_default())
             }
         };
@@ -69,6 +72,14 @@ impl MachineArgs {
             let (a, b) = model.er.as_ref().map_or((0.0704, 0.470), |er| (er.a, er.b));
             let torque_limit = if self.as_printed { f64::INFINITY } else { Er::largest_torque(a, b) };
             model.er = Some(Er { response: self.response(fluid, torque_limit)?, ..Er::new(a, b, 0.0, 0.0) });
+        }
+        if let Some(fluid) = fluid
+            && let Some(er) = model.er.take()
+        {
+            model.er = Some(with_fluid(er, &fluid).map_err(|message| {
+                let file = self.machine.as_deref().unwrap_or(Path::new(""));
+                Error::input(file, None, "plant.er.fluid", message)
+            })?);
         }
         if let Some(delay_ms) = self.drive_delay_ms {
             model.torque_delay_s = delay_ms * 1e-3;
@@ -106,6 +117,32 @@ impl MachineArgs {
             Fluid::Q => Err(Error::Usage("--fluid q takes --dead-time-ms or --lag-ms, not both".to_owned())),
         }
     }
+}
+
+/// The damper with the physics of `[plant.er.fluid]`; an error in words where the plant does not take it.
+fn with_fluid(mut er: Er, fluid: &ErFluid) -> Result<Er, String> {
+    let FluidResponse::Field(field) = &mut er.response else {
+        return Err("follows a field; it does not go with --fluid q, which delays a viscosity".to_owned());
+    };
+    field.kinetics = Kinetics { rise_exponent: fluid.rise_exponent, fall_exponent: fluid.fall_exponent };
+    if fluid.consistency > 0.0 || fluid.consistency_per_kv_mm > 0.0 {
+        field.flow = Some(FlowCurve {
+            consistency: fluid.consistency,
+            consistency_per_kv_mm: fluid.consistency_per_kv_mm,
+            exponent: fluid.flow_exponent,
+        });
+    }
+    if let Some(ErElectrode { capacitance_f, current_a, gap_m }) = fluid.electrode {
+        let slew = Electrode { capacitance_f, current_a, gap_m }.slew_kv_mm_s().map_err(|error| error.to_string())?;
+        // The slower of it and of an effect `field_slew_limit`.
+        field.slew_kv_mm_s = Some(field.slew_kv_mm_s.map_or(slew, |other| other.min(slew)));
+    }
+    er.at_temperature(&Temperature {
+        above_reference_k: fluid.above_reference_k,
+        yield_per_k: fluid.yield_per_k,
+        viscosity_per_k: fluid.viscosity_per_k,
+    })
+    .map_err(|error| error.to_string())
 }
 
 /// The paper's servo with the delay model it ends on.

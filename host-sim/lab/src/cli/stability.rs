@@ -103,6 +103,10 @@ pub fn run(args: &StabilityArgs) -> Result<(), Error> {
 fn case(args: &StabilityArgs) -> Result<(Loop, Setting), Error> {
     let machine = args.machine.as_deref().map(Machine::read).transpose()?;
     let nominal = machine.as_ref().map(|machine| &machine.plant);
+    if let Some(machine) = machine.as_ref().filter(|one| one.plant.er.as_ref().is_some_and(|er| er.fluid.is_some())) {
+        let message = "is for `simulate` and `tune`; the linear loop has no such laws: leave the section out";
+        return Err(Error::input(&machine.file, None, "plant.er.fluid", message));
+    }
     let controller = machine.as_ref().and_then(|machine| machine.controller);
     let seconds = |ms: f64| ms * 1e-3;
     let torque_delay_s =

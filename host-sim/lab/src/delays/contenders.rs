@@ -20,6 +20,16 @@ fn one(name: &'static str, id: &str) -> Contender {
     Contender { name, starts: STARTS_S.iter().map(|&delay_s| hypothesis(&[(id, delay_s)])).collect() }
 }
 
+/// What a model is where some of its delays are zero. A delayed viscosity without its delay is no field without one: its drag
+/// Q |w| vanishes at rest, where a E^2 + b E holds.
+pub(super) fn special_cases(name: &str) -> &'static [&'static str] {
+    match name {
+        "E dead" | "E lag" => &["none"],
+        "E dead and lag" => &["none", "E dead", "E lag"],
+        _ => &[],
+    }
+}
+
 /// All of them.
 pub(super) fn all() -> Vec<Contender> {
     let pairs = STARTS_OF_TWO_S.iter().flat_map(|&dead_s| STARTS_OF_TWO_S.map(|lag_s| (dead_s, lag_s)));

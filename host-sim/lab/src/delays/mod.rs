@@ -5,6 +5,7 @@
 mod contenders;
 mod figure;
 mod plan;
+mod standing;
 mod text;
 
 use diagnosis::confidence_set::intervals;
@@ -12,15 +13,17 @@ use diagnosis::physics::Physics;
 use diagnosis::problem::Problem;
 use diagnosis::ranking::{Contender, Ranked, rank};
 use diagnosis::recorded::Recorded;
+use er_servo::Params;
 use plant::{FieldResponse, FluidResponse};
 use serde::Serialize;
 
 use crate::Error;
 use crate::read::vocabulary;
-use crate::read::{AxisKind, Machine, Recording};
+use crate::read::{AxisKind, Machine, Mode, Recording};
 
 pub use figure::figure;
 pub use plan::{Plan, Simulated};
+use standing::Standing;
 
 /// What is asked.
 #[derive(Debug)]
@@ -59,7 +62,7 @@ pub struct Candidate {
     pub p_value: f64,
     /// The recordings do not tell it from the best.
     pub in_set: bool,
-    /// In the set, and none in the set has fewer of its delays.
+    /// In the set, and either no special case of it is, or each of its delays is away from zero.
     pub needed: bool,
 }
 
@@ -110,7 +113,7 @@ pub fn answer(request: &Request<'_>) -> Result<Answer, Error> {
     if ranked.is_empty() {
         return Err(Error::Usage("the nominal machine cannot be followed along these recordings".to_owned()));
     }
-    let left: Vec<Contender> = ranked.iter().filter(|one| one.needed).map(fitted).collect();
+    let left: Vec<Contender> = ranked.iter().filter(|one| Standing::of(&ranked, one).needed).map(fitted).collect();
     let (mut plans, mut apart) = (Vec::new(), Vec::new());
     if left.len() > 1 {
         let simulated = Simulated::new(machine, &problem, &ranked[0].step.assessed.refitted.noise, left);
@@ -121,7 +124,7 @@ pub fn answer(request: &Request<'_>) -> Result<Answer, Error> {
     }
     Ok(Answer {
         verdict: if plans.is_empty() { Verdict::Named } else { Verdict::Ambiguous },
-        candidates: ranked.iter().map(candidate).collect(),
+        candidates: ranked.iter().map(|one| candidate(&ranked, one)).collect(),
         plans,
         drawn: Drawn { evidence: evidence(&problem, &ranked), apart, resolution: machine.axis.resolution },
     })
@@ -146,7 +149,7 @@ fn problem(request: &Request<'_>) -> Result<Problem, Error> {
         }
         _ => FluidResponse::Field(FieldResponse::default()),
     };
-    let recorded: Vec<Recorded> = files.iter().map(|file| Recorded::new(file)).collect();
+    let recorded: Vec<Recorded> = files.iter().map(|file| recorded(machine, file)).collect();
     let problem = Problem::new(physics, recorded, recordings.len(), machine.axis.resolution, false);
     if problem.excitation.field_peak <= 0.0 {
         return Err(Error::Usage(format!(
@@ -157,12 +160,32 @@ fn problem(request: &Request<'_>) -> Result<Problem, Error> {
     Ok(problem)
 }
 
+/// A recording with the coefficient of viscosity that the law asked for. At rest it is finite and the field is zero, so field and
+/// speed do not tell it; what the fluid does when the rotor starts, a dead time later, hangs on it.
+fn recorded(machine: &Machine, file: &Recording) -> Recorded {
+    let mut recorded = Recorded::new(file);
+    let (Some(config), Some(modes), Some(speeds)) = (&machine.controller, &file.mode, &file.velocity) else {
+        return recorded;
+    };
+    // A law with values that are not allowed asked for nothing that is known.
+    let Ok(params) = Params::new(config) else { return recorded };
+    for ((command, mode), speed_rad_s) in recorded.commands.iter_mut().zip(modes).zip(speeds) {
+        command.viscosity = match mode {
+            Mode::Off => Some(0.0),
+            Mode::Damper => Some(f64::from(params.viscosity_nm_s_rad(*speed_rad_s as f32))),
+            Mode::Brake => None,
+        };
+    }
+    recorded
+}
+
 /// A contender that begins at what was fitted.
 fn fitted(ranked: &Ranked) -> Contender {
     Contender { name: ranked.name, starts: vec![ranked.step.assessed.refitted.hypothesis.clone()] }
 }
 
-fn candidate(ranked: &Ranked) -> Candidate {
+fn candidate(all: &[Ranked], ranked: &Ranked) -> Candidate {
+    let Standing { in_set, needed } = Standing::of(all, ranked);
     let assessed = &ranked.step.assessed;
     let mut values = Vec::new();
     for (at, entry) in assessed.refitted.hypothesis.entries.iter().enumerate() {
@@ -179,8 +202,8 @@ fn candidate(ranked: &Ranked) -> Candidate {
         values,
         behind: ranked.behind.map_or(0.0, |behind| behind.difference),
         p_value: ranked.behind.map_or(1.0, |behind| behind.p_value()),
-        in_set: ranked.in_set,
-        needed: ranked.needed,
+        in_set,
+        needed,
     }
 }
 

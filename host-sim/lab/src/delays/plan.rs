@@ -5,11 +5,12 @@ use diagnosis::likelihood::Noise;
 use diagnosis::physics::Physics;
 use diagnosis::problem::Problem;
 use diagnosis::ranking::{Contender, rank};
-use diagnosis::recorded::Recorded;
 use er_servo::experiment::{Experiment, Shape};
 use rayon::prelude::*;
 use serde::Serialize;
 
+use super::contenders::special_cases;
+use super::standing::Standing;
 use crate::Error;
 use crate::read::Machine;
 use crate::simulate::{Reference, Row, Setup, period_s, record, run};
@@ -27,8 +28,9 @@ pub struct Plan {
     pub pair: (&'static str, &'static str),
     /// Whether only the true one would be left, whichever that is.
     pub separates: bool,
+    /// What the flags say, for the drive.
     #[serde(skip)]
-    experiment: Experiment,
+    pub experiment: Experiment,
 }
 
 /// Seed of the noises of every simulated recording.
@@ -102,13 +104,15 @@ impl<'a> Simulated<'a> {
             let ranked = rank(&problem, &self.left);
             let total = |name: &str| ranked.iter().find(|one| one.name == name).map(|one| one.step.assessed.total());
             let own = total(truth.name).unwrap_or(f64::NEG_INFINITY);
-            for other in self.left.iter().filter(|other| other.name != truth.name) {
+            // A model that the truth is a special case of is as likely, and simply has more than is needed.
+            let another = |name: &str| name != truth.name && !special_cases(name).contains(&truth.name);
+            for other in self.left.iter().filter(|other| another(other.name)) {
                 let difference = own - total(other.name).unwrap_or(f64::NEG_INFINITY);
                 if difference < plan.difference {
                     (plan.difference, plan.pair) = (difference, (truth.name, other.name));
                 }
             }
-            plan.separates &= ranked.iter().all(|one| one.in_set == (one.name == truth.name));
+            plan.separates &= ranked.iter().all(|one| Standing::of(&ranked, one).needed == (one.name == truth.name));
         }
         Ok(plan)
     }
@@ -136,7 +140,7 @@ impl<'a> Simulated<'a> {
     /// The recording of such a run, its positions in the steps of the machine's own sensor where those are coarser.
     fn problem(&self, rows: &[Row]) -> Problem {
         let step = self.machine.axis.resolution;
-        let mut recorded = Recorded::new(&record("planned", rows));
+        let mut recorded = super::recorded(self.machine, &record("planned", rows));
         if step > f64::from(er_servo::RAD_PER_COUNT) * 1.01 {
             recorded.position.iter_mut().for_each(|position| *position = (*position / step).round() * step);
         }

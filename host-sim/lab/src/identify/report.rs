@@ -65,6 +65,7 @@ pub(super) fn nominal(
                 b: steady.er_b.value.max(0.0),
                 dead_time_s: 0.0,
                 lag_s: 0.0,
+                fluid: None,
             }),
         },
         controller: None,

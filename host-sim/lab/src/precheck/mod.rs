@@ -136,6 +136,11 @@ pub fn warnings(
     holdout: &[Recording],
     purpose: Purpose,
 ) -> Result<Vec<String>, Error> {
+    if machine.plant.er.as_ref().is_some_and(|er| er.fluid.is_some()) {
+        let message =
+            "is for `simulate` and `tune`; what follows a recording does not know these laws: leave the section out";
+        return Err(Error::input(&machine.file, None, "plant.er.fluid", message));
+    }
     let findings = check(machine, fitted, holdout, purpose);
     match findings.iter().find(|finding| finding.severity == Severity::Error) {
         Some(finding) => {

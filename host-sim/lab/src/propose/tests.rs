@@ -29,7 +29,7 @@ fn machine() -> Machine {
             torque_limit: Some(30.0),
             sample_to_output_s: 0.0,
             torque_delay_s: 0.005,
-            er: Some(ErNominal { a: 0.0704, b: 0.470, dead_time_s: 0.002, lag_s: 0.003 }),
+            er: Some(ErNominal { a: 0.0704, b: 0.470, dead_time_s: 0.002, lag_s: 0.003, fluid: None }),
         },
         controller: Some(Config::default()),
         columns: Default::default(),

@@ -14,8 +14,13 @@ use crate::{fails, printed};
 
 /// Heavier, stiffer, slower, with another fluid that falls slower than it rises.
 pub fn machine() -> Model {
-    let response =
-        FluidResponse::Field(FieldResponse { dead_time_s: 0.0015, slew_kv_mm_s: None, rise_s: 0.003, fall_s: 0.006 });
+    let response = FluidResponse::Field(FieldResponse {
+        dead_time_s: 0.0015,
+        slew_kv_mm_s: None,
+        rise_s: 0.003,
+        fall_s: 0.006,
+        ..FieldResponse::default()
+    });
     Model {
         inertia: 0.09,
         coulomb: 0.9,

@@ -3,6 +3,7 @@
 use std::collections::VecDeque;
 
 use super::signal::{SETTLED_TIME_CONSTANTS, Signal};
+use crate::er_fluid::Kinetics;
 
 /// Shortest time that counts, s: changes closer than this happen together. It absorbs the rounding of delays that are
 /// whole numbers of samples, and grows with the times so that recordings with large time stamps work too.
@@ -23,6 +24,10 @@ pub(crate) struct Channel {
     slew: f64,
     rise_s: f64,
     fall_s: f64,
+    /// How the two depend on the value.
+    kinetics: Kinetics,
+    /// Where the fall began that goes on; none while it does not fall.
+    fell_from: Option<f64>,
     /// Where the slew limiter goes.
     target: f64,
     /// Where it is.
@@ -42,11 +47,18 @@ impl Channel {
             slew,
             rise_s,
             fall_s,
+            kinetics: Kinetics::default(),
+            fell_from: None,
             target: value,
             ramp: value,
             output: Signal::constant(value),
             valid_s: f64::INFINITY,
         }
+    }
+
+    /// The same with lags that depend on the value.
+    pub(crate) fn over_the_field(self, kinetics: Kinetics) -> Self {
+        Self { kinetics, ..self }
     }
 
     /// A channel with dead time and one lag.
@@ -92,7 +104,7 @@ impl Channel {
         if ahead.abs() <= slope.abs() * coincidence_s {
             ahead = 0.0;
         }
-        let lag_s = if ahead > 0.0 || (ahead == 0.0 && slope > 0.0) { self.rise_s } else { self.fall_s };
+        let lag_s = self.lag_s(ahead, slope, value);
         self.valid_s = remaining_s;
         if lag_s <= 0.0 {
             self.output = Signal { base: self.ramp, slope, amplitude: 0.0, rate: 0.0 };
@@ -111,6 +123,22 @@ impl Channel {
             self.output.rate = 0.0;
             self.valid_s = remaining_s;
         }
+    }
+
+    /// Time constant from `value` on towards what is `ahead` and moves by `slope`, s; a fall keeps the one of where it began.
+    #[inline]
+    fn lag_s(&mut self, ahead: f64, slope: f64, value: f64) -> f64 {
+        if ahead > 0.0 || (ahead == 0.0 && slope > 0.0) {
+            self.fell_from = None;
+            return Kinetics::time_constant_s(self.rise_s, self.kinetics.rise_exponent, self.target);
+        }
+        if ahead == 0.0 && slope == 0.0 {
+            // Settled: the next fall begins here.
+            self.fell_from = None;
+            return self.fall_s;
+        }
+        let from = *self.fell_from.get_or_insert(value);
+        Kinetics::time_constant_s(self.fall_s, self.kinetics.fall_exponent, from)
     }
 
     /// The formula from the start of the current segment.

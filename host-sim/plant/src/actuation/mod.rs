@@ -113,7 +113,7 @@ impl Actuation {
             None => Channel::lagging(value, 0.0, 0.0),
             Some(FluidResponse::Field(field)) => {
                 let slew = field.slew_kv_mm_s.unwrap_or(f64::INFINITY);
-                Channel::new(value, field.dead_time_s, slew, field.rise_s, field.fall_s)
+                Channel::new(value, field.dead_time_s, slew, field.rise_s, field.fall_s).over_the_field(field.kinetics)
             }
             Some(FluidResponse::ViscosityDeadTime { dead_time_s, .. }) => Channel::lagging(value, dead_time_s, 0.0),
             Some(FluidResponse::ViscosityLag { lag_s, .. }) => Channel::lagging(value, 0.0, lag_s),

@@ -83,9 +83,14 @@ impl Exact {
     fn covers_fluid(er: &Er) -> bool {
         let Er { a: _, b: _, response, field_gain: _, scale: _, drift_per_s, warming, preyield_stiffness } = er;
         let shape = match response {
-            FluidResponse::Field(FieldResponse { dead_time_s: _, slew_kv_mm_s, rise_s: _, fall_s: _ }) => {
-                slew_kv_mm_s.is_none()
-            }
+            FluidResponse::Field(FieldResponse {
+                dead_time_s: _,
+                slew_kv_mm_s,
+                rise_s: _,
+                fall_s: _,
+                kinetics: _,
+                flow,
+            }) => slew_kv_mm_s.is_none() && flow.is_none(),
             FluidResponse::ViscosityDeadTime { dead_time_s: _, torque_limit: _ } => true,
             FluidResponse::ViscosityLag { lag_s, torque_limit: _ } => *lag_s == 0.0,
         };
@@ -97,7 +102,7 @@ impl Exact {
     fn drag(&self, segment: &Segment, t: f64, sign: f64, regime: FluidRegime) -> Drag {
         let (level, viscous) = (self.friction.coulomb(sign), self.friction.viscous(sign));
         match self.fluid {
-            FluidLaw::Field { a, b } | FluidLaw::Spring { a, b, .. } => {
+            FluidLaw::Field { a, b } | FluidLaw::Spring { a, b, .. } | FluidLaw::Flowing { a, b, .. } => {
                 let field = segment.fluid.rebased(t);
                 let (e, d) = (field.base, field.amplitude);
                 Drag { level: level + (a * e + b) * e, linear: (2.0 * a * e + b) * d, square: a * d * d, viscous }

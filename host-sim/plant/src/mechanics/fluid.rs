@@ -2,7 +2,8 @@
 
 use super::state::State;
 use crate::effects::friction::{FASTEST_S, followed};
-use crate::{FluidResponse, Model};
+use crate::er_fluid::FlowCurve;
+use crate::{FieldResponse, FluidResponse, Model};
 
 /// Highest field of the drive, kV/mm (control.md section 4).
 const HIGHEST_KV_MM: f64 = 3.5;
@@ -31,6 +32,8 @@ pub(crate) enum FluidLaw {
     Field { a: f64, b: f64 },
     /// A spring that yields at a E^2 + b E.
     Spring { a: f64, b: f64, stiffness: f64 },
+    /// Drag a E^2 + b E and a flow curve on top of it.
+    Flowing { a: f64, b: f64, curve: FlowCurve },
     /// Drag Q |w|, limited.
     Viscosity { torque_limit: f64 },
 }
@@ -42,6 +45,8 @@ pub(crate) struct FluidInput {
     pub(crate) level: f64,
     /// Viscous coefficient, N m s/rad.
     pub(crate) viscosity: f64,
+    /// Consistency of the flow curve, N m (s/rad)^n.
+    pub(crate) consistency: f64,
     /// Torque at which the spring yields, N m, and its rate, N m/s.
     pub(crate) yield_torque: f64,
     pub(crate) yield_rate: f64,
@@ -53,6 +58,7 @@ impl FluidInput {
         Self {
             level: share * self.level,
             viscosity: share * self.viscosity,
+            consistency: share * self.consistency,
             yield_torque: share * self.yield_torque,
             yield_rate: share * self.yield_rate,
         }
@@ -65,6 +71,10 @@ impl FluidLaw {
         let Some(er) = &model.er else { return FluidLaw::Field { a: 0.0, b: 0.0 } };
         let (a, b) = er.acting();
         match (er.response, er.preyield_stiffness) {
+            (FluidResponse::Field(FieldResponse { flow: Some(curve), .. }), _) => {
+                let curve = FlowCurve { consistency_per_kv_mm: er.field_gain * curve.consistency_per_kv_mm, ..curve };
+                FluidLaw::Flowing { a, b, curve }
+            }
             (FluidResponse::Field(_), None) => FluidLaw::Field { a, b },
             (FluidResponse::Field(_), Some(stiffness)) => {
                 let level = (a * HIGHEST_KV_MM + b) * HIGHEST_KV_MM;
@@ -83,6 +93,7 @@ impl FluidLaw {
         });
         match *self {
             FluidLaw::Field { .. } => 0.0,
+            FluidLaw::Flowing { curve, .. } => curve.steepest(curve.at(HIGHEST_KV_MM)) * FASTEST_VISCOSITY_S,
             FluidLaw::Spring { stiffness, .. } => stiffness * FASTEST_S * FASTEST_S,
             FluidLaw::Viscosity { .. } => highest * FASTEST_VISCOSITY_S,
         }
@@ -92,7 +103,7 @@ impl FluidLaw {
     #[inline]
     pub(crate) fn enter(&self, input: &FluidInput, x: &mut State) {
         match *self {
-            FluidLaw::Field { .. } => {}
+            FluidLaw::Field { .. } | FluidLaw::Flowing { .. } => {}
             FluidLaw::Viscosity { torque_limit } => {
                 let limited = input.viscosity * x.velocity.abs() > torque_limit;
                 x.fluid_regime = if limited { FluidRegime::Limited } else { FluidRegime::Free };
@@ -117,7 +128,7 @@ impl FluidLaw {
     #[inline]
     pub(crate) fn guard(&self, input: &FluidInput, x: &State) -> f64 {
         match (*self, x.fluid_regime) {
-            (FluidLaw::Field { .. }, _) => f64::INFINITY,
+            (FluidLaw::Field { .. } | FluidLaw::Flowing { .. }, _) => f64::INFINITY,
             (FluidLaw::Viscosity { torque_limit }, _) if torque_limit.is_infinite() => f64::INFINITY,
             (FluidLaw::Viscosity { torque_limit }, FluidRegime::Free) => {
                 torque_limit - input.viscosity * x.velocity.abs()
@@ -161,6 +172,7 @@ impl FluidLaw {
         let dry = x.motion.sign() * input.level;
         match *self {
             FluidLaw::Field { .. } => dry,
+            FluidLaw::Flowing { curve, .. } => dry + curve.torque(input.consistency, w),
             FluidLaw::Spring { .. } => self.spring(input, x, travel),
             FluidLaw::Viscosity { torque_limit } if x.fluid_regime == FluidRegime::Limited => {
                 dry + x.motion.sign() * torque_limit
@@ -169,9 +181,17 @@ impl FluidLaw {
         }
     }
 
-    /// Longest step for the spring, s.
-    pub(crate) fn longest_step(&self, inertia: f64) -> f64 {
+    /// Drag of the flow curve at a speed, N m, not negative; zero for the other laws.
+    #[inline]
+    pub(crate) fn flow(&self, input: &FluidInput, w: f64) -> f64 {
+        let FluidLaw::Flowing { curve, .. } = *self else { return 0.0 };
+        curve.torque(input.consistency, w.abs())
+    }
+
+    /// Longest step for the spring or the flow curve, s, at speed `w` and an acceleration of at most `acceleration`.
+    pub(crate) fn longest_step(&self, input: &FluidInput, w: f64, acceleration: f64, inertia: f64) -> f64 {
         match *self {
+            FluidLaw::Flowing { curve, .. } => curve.longest_step(input.consistency, w, acceleration, inertia),
             FluidLaw::Spring { stiffness, .. } => 0.25 * (inertia / stiffness).sqrt(),
             _ => f64::INFINITY,
         }

@@ -88,6 +88,14 @@ impl General {
                 let field = segment.fluid.at(t);
                 FluidInput { level: strength * (a * field + b) * field, ..FluidInput::default() }
             }
+            FluidLaw::Flowing { a, b, curve } => {
+                let field = segment.fluid.at(t);
+                FluidInput {
+                    level: strength * (a * field + b) * field,
+                    consistency: strength * curve.at(field),
+                    ..FluidInput::default()
+                }
+            }
             FluidLaw::Spring { a, b, .. } => {
                 let field = segment.fluid.at(t);
                 let torque = (a * field + b) * field;
@@ -306,12 +314,13 @@ impl Flow for General {
             + self.friction.torque(1.0, x.velocity.abs(), x.bristle_torque.abs(), drive, 1.0)
             + self.friction.hold(1.0, drive)
             + self.friction.coulomb(-1.0)
-            + self.shaft_torque(x).abs();
+            + self.shaft_torque(x).abs()
+            + self.fluid.flow(&input.fluid, x.velocity);
         let acceleration = 2.0 * torque / self.inertia;
         let sign = x.motion.sign();
         let mut step = self.friction.longest_step(sign, x.velocity, x.bristle_torque, acceleration, self.inertia);
         step = step.min(self.position.longest_step(x.velocity, acceleration, self.inertia));
-        step = step.min(self.fluid.longest_step(self.inertia));
+        step = step.min(self.fluid.longest_step(&input.fluid, x.velocity, acceleration, self.inertia));
         step = step.min(0.5 * self.inertia / input.fluid.viscosity);
         step = step.min(self.ripple.longest_step(input.drive, x.velocity, acceleration, self.inertia));
         if let Some(warming) = &self.warming {

@@ -2,9 +2,14 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, dead_code)]
 
 use plant::effects::{Asymmetry, Gravity, Harmonic, Pulse, Shaft, Stribeck, Vibration, Warming};
+use plant::er_fluid::{FlowCurve, Kinetics};
 use plant::{Command, Er, FieldResponse, FluidResponse, Model, Plant, State};
 
 pub const TICK_S: f64 = 0.0005;
+/// Rise and fall that are faster in a strong field.
+pub const KINETICS: Kinetics = Kinetics { rise_exponent: 2.0, fall_exponent: 0.5 };
+/// A fluid that thins under shear.
+pub const FLOW: FlowCurve = FlowCurve { consistency: 0.3, consistency_per_kv_mm: 0.1, exponent: 0.5 };
 
 /// The paper's machine with dead time 2 ms and lag 3 ms of the field.
 pub fn nominal() -> Model {
@@ -41,6 +46,10 @@ pub fn every_effect() -> Vec<(&'static str, Model)> {
         ("field_lag_asymmetry", field(|f| f.fall_s = 0.008)),
         ("field_slew_limit", field(|f| f.slew_kv_mm_s = Some(120.0))),
         ("field_slew_limit and asymmetry", field(|f| (f.slew_kv_mm_s, f.fall_s) = (Some(40.0), 0.006))),
+        ("kinetics", field(|f| f.kinetics = KINETICS)),
+        ("kinetics behind a slew limit", field(|f| (f.slew_kv_mm_s, f.kinetics) = (Some(120.0), KINETICS))),
+        ("flow curve", field(|f| f.flow = Some(FLOW))),
+        ("Bingham's flow curve", field(|f| f.flow = Some(FlowCurve { exponent: 1.0, ..FLOW }))),
         ("field_gain", fluid(|er| er.field_gain = 1.2)),
         ("er_strength", fluid(|er| er.scale = 1.3)),
         ("er_drift", fluid(|er| er.drift_per_s = -0.2)),
@@ -89,6 +98,7 @@ pub fn combinations() -> Vec<(&'static str, Model)> {
             slew_kv_mm_s: Some(80.0),
             rise_s: 0.002,
             fall_s: 0.004,
+            ..FieldResponse::default()
         });
         (er.drift_per_s, er.preyield_stiffness) = (0.05, Some(150.0));
     };
@@ -181,6 +191,12 @@ pub fn vanishing_effects() -> Vec<(&'static str, Model, f64)> {
     let vibration = |amplitude| Some(Vibration { frequency_hz: 35.0, amplitude, phase_rad: 1.0 });
     vec![
         ("no slew limit", field(|f| f.slew_kv_mm_s = None), 0.0),
+        (
+            "no flow",
+            field(|f| f.flow = Some(FlowCurve { consistency: 0.0, consistency_per_kv_mm: 0.0, ..FLOW })),
+            1e-12,
+        ),
+        ("kinetics of no lag", field(|f| (f.rise_s, f.fall_s, f.kinetics) = (0.003, 0.003, Kinetics::default())), 0.0),
         ("equal lags", field(|f| f.fall_s = 0.003), 0.0),
         ("unit gain", fluid(|er| (er.field_gain, er.scale) = (1.0, 1.0)), 0.0),
         ("no drift", fluid(|er| er.drift_per_s = 0.0), 0.0),
