@@ -11,11 +11,11 @@ use crate::run::{cargo, output, run};
 /// Exits with 0 where this Python can build the package and has what an environment is made with.
 const FIT: &str = "import sys, venv, ensurepip; sys.exit(sys.version_info < (3, 11))";
 
-/// As [`test`]; where Python or its packages are not to be had, says so and goes on, but not in CI.
+/// As [`test()`]; where Python or its packages are not to be had, says so and goes on, but not in CI.
 ///
 /// # Errors
 ///
-/// As [`test`].
+/// As [`test()`].
 pub fn in_all_tests() -> Result<(), String> {
     match environment() {
         Ok(environment) => environment.test(),
