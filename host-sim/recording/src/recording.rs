@@ -50,7 +50,7 @@ pub struct Recording {
     /// Indices `i` where samples are missing between rows `i` and `i + 1`; the model is simulated across, no residual
     /// is taken there.
     pub gaps: Vec<usize>,
-    /// Columns the format does not know, kept as text and reported.
+    /// Columns the format does not know, kept as text and reported; of a recording that was in memory without their cells.
     pub extra: Vec<(String, Vec<String>)>,
 }
 
@@ -76,7 +76,8 @@ impl Recording {
     /// rest.
     pub fn columns(&self) -> Vec<(&str, Cells<'_>)> {
         let known = Column::ALL.into_iter().filter_map(|column| Some((column.name(self.axis), self.column(column)?)));
-        let extra = self.extra.iter().map(|(name, cells)| (name.as_str(), Cells::Text(cells)));
+        let kept = self.extra.iter().filter(|(_, cells)| cells.len() == self.rows());
+        let extra = kept.map(|(name, cells)| (name.as_str(), Cells::Text(cells)));
         known.chain(extra).collect()
     }
 

@@ -85,12 +85,14 @@ impl Values {
     }
 }
 
-/// A cell of a file that has types.
+/// A cell of a table that has types.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) enum Cell {
+pub enum Cell {
+    /// A real number.
     Real(f64),
     /// Wide enough for signed and unsigned 64 bits.
     Whole(i128),
+    /// Anything else.
     Text(String),
 }
 

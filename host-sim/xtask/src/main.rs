@@ -9,6 +9,7 @@ mod firmware;
 mod flash;
 mod fuzz;
 mod option_bytes;
+mod python;
 mod run;
 mod test;
 mod toolchain;
@@ -56,6 +57,8 @@ enum Command {
         #[arg(long, default_value_t = 60, requires = "target")]
         seconds: u32,
     },
+    /// Builds the Python package in an environment under `target/python` and runs its tests.
+    Python,
     /// Runs every benchmark.
     Bench,
     /// Rewrites the golden files from what the tests compute now; look at the diff before committing it.
@@ -71,6 +74,7 @@ fn main() -> ExitCode {
         Command::Board { arguments } => firmware::board(&arguments),
         Command::Fuzz { target: Some(target), seconds } => fuzz::for_seconds(&target, seconds),
         Command::Fuzz { target: None, .. } => fuzz::bounded().and_then(|()| fuzz::sweep()),
+        Command::Python => python::test(),
         Command::Bench => test::bench(),
         Command::Golden => test::golden(),
     };

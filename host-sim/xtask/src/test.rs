@@ -4,7 +4,7 @@ use std::process::Command;
 use std::time::Instant;
 
 use crate::run::{cargo, output, run};
-use crate::{firmware, root};
+use crate::{firmware, python, root};
 
 /// Runs every step; one line each with its seconds, and a last line with all of them.
 ///
@@ -32,6 +32,8 @@ pub fn all() -> Result<(), String> {
     let without = ["--exclude", "lab", "--exclude", "analysis", "--exclude", "diagnosis"];
     steps.cargo("tests", &[&["test", "--workspace"], &without[..]].concat())?;
     steps.cargo("tests, release", &["test", "--workspace", "--release"])?;
+    // After the release build, which the wheel is made of.
+    steps.step("python", python::in_all_tests)?;
     steps.step("firmware clippy", firmware::lint)?;
     let on_board = |arguments: &[&str]| cargo(&board, arguments);
     steps.run("board fmt", on_board(&["fmt", "--check"]))?;

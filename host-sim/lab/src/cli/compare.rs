@@ -1,11 +1,13 @@
 //! `servo-lab compare`.
 
+use std::fmt::{Display, Formatter};
 use std::path::{Path, PathBuf};
 
 use diagnosis::physics::Physics;
 
 use super::Overwrite;
 use crate::output::Output;
+use crate::plot::Figure;
 use crate::precheck::{self, Purpose};
 use crate::read::{Machine, Recording};
 use crate::report::compare::Comparison;
@@ -47,29 +49,77 @@ pub fn run(args: &Args) -> Result<(), Error> {
     let machine = Machine::read(&args.machine)?;
     let recordings: Vec<Recording> =
         args.recordings.iter().map(|file| Recording::of(file, &machine)).collect::<Result<_, _>>()?;
-    let warnings = precheck::warnings(&machine, &recordings, &[], Purpose::Compare)?;
-    let names: Vec<&str> = recordings.iter().map(|recording| recording.name.as_str()).collect();
     // All of them before the first picture: bad input writes nothing.
-    let comparisons = compared(&machine, &recordings, &names)?;
-    let improved = match &args.improved {
-        Some(file) => compared(&beside(file, &machine)?, &recordings, &names)?.into_iter().map(Some).collect(),
-        None => vec![None; recordings.len()],
-    };
-    let mut text: String = warnings.iter().map(|warning| format!("warning: {warning}\n")).collect();
-    for (((recording, comparison), improved), picture) in
-        recordings.iter().zip(&comparisons).zip(&improved).zip(pictures)
-    {
-        text.extend(recording.notes().iter().map(|note| format!("note: {note}\n")));
-        let title = format!("{} beside what {} makes of its commands", recording.name, machine.name);
-        output::figure(&mut outputs, picture, &comparison.figure(&title, improved.as_ref()))?;
-        text += &comparison.to_string();
-        if let Some(improved) = improved {
-            text += &format!("the improved model:\n{}", improved.beside(comparison));
-        }
-        text += &format!("wrote {}\n", outputs.file(picture).display());
+    let compared = compare(&machine, args.improved.as_deref(), &recordings)?;
+    let mut text: String = compared.warnings.iter().map(|warning| format!("warning: {warning}\n")).collect();
+    for (beside, picture) in compared.beside.iter().zip(pictures) {
+        output::figure(&mut outputs, picture, &beside.figure())?;
+        text += &format!("{beside}wrote {}\n", outputs.file(picture).display());
     }
     outputs.finish()?;
     output::print(&text)
+}
+
+/// Recordings beside a model.
+#[derive(Debug)]
+pub struct Compared<'a> {
+    /// What the data themselves show.
+    pub warnings: Vec<String>,
+    /// One a recording.
+    pub beside: Vec<Beside<'a>>,
+}
+
+/// One recording beside a model, and beside an improved one.
+#[derive(Debug)]
+pub struct Beside<'a> {
+    machine: &'a str,
+    /// The recording.
+    pub recording: &'a Recording,
+    /// What the model leaves of it.
+    pub nominal: Comparison<'a>,
+    /// What the improved model leaves of it, where there is one.
+    pub improved: Option<Comparison<'a>>,
+}
+
+impl Beside<'_> {
+    /// The picture.
+    pub fn figure(&self) -> Figure {
+        let title = format!("{} beside what {} makes of its commands", self.recording.name, self.machine);
+        self.nominal.figure(&title, self.improved.as_ref())
+    }
+}
+
+impl Display for Beside<'_> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
+        self.recording.notes().iter().try_for_each(|note| writeln!(f, "note: {note}"))?;
+        write!(f, "{}", self.nominal)?;
+        match &self.improved {
+            Some(improved) => write!(f, "the improved model:\n{}", improved.beside(&self.nominal)),
+            None => Ok(()),
+        }
+    }
+}
+
+/// Compares recordings with a machine and, where its file is given, with an improved one; writes nothing.
+///
+/// # Errors
+/// A file of another kind of machine or none, data that nothing can be computed from, recordings too short for a window.
+pub fn compare<'a>(
+    machine: &'a Machine,
+    improved: Option<&Path>,
+    recordings: &'a [Recording],
+) -> Result<Compared<'a>, Error> {
+    let warnings = precheck::warnings(machine, recordings, &[], Purpose::Compare)?;
+    let names: Vec<&str> = recordings.iter().map(|recording| recording.name.as_str()).collect();
+    let nominal = compared(machine, recordings, &names)?;
+    let improved = match improved {
+        Some(file) => compared(&beside(file, machine)?, recordings, &names)?.into_iter().map(Some).collect(),
+        None => vec![None; recordings.len()],
+    };
+    let all = recordings.iter().zip(nominal).zip(improved);
+    let one =
+        |((recording, nominal), improved)| Beside { machine: machine.name.as_str(), recording, nominal, improved };
+    Ok(Compared { warnings, beside: all.map(one).collect() })
 }
 
 /// Every recording beside one machine.

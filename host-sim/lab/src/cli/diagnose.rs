@@ -3,19 +3,16 @@
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use diagnosis::effects::{VOCABULARY, find};
-
 use super::Overwrite;
 use crate::Error;
 use crate::conclude::{self, OfFiles};
 use crate::output::{self, Output, Outputs, Provenance, formats};
 use crate::propose;
-use crate::read::vocabulary::CONTROLLER;
 use crate::report::html::{PlotData, page};
 use crate::report::{self, Answer, Verdict};
 
 /// Every draw of a diagnosis begins with it, so that it gives the same answer twice.
-const SEED: u64 = 1;
+pub const SEED: u64 = 1;
 
 /// Flags of `diagnose`.
 #[derive(Debug, clap::Args)]
@@ -76,8 +73,7 @@ struct Asked {
 pub fn run(args: &Args, verbose: bool) -> Result<ExitCode, Error> {
     let (asked, mut outputs) = args.files()?;
     super::use_threads(args.jobs)?;
-    args.check_ids()?;
-    let vocabulary: Vec<_> = VOCABULARY.iter().copied().filter(|effect| args.may_name(effect.id)).collect();
+    let vocabulary = conclude::vocabulary(&args.only, &args.without)?;
     let OfFiles { machine, recordings, holdout, mut diagnosis } =
         conclude::of_files(&args.machine, &args.recordings, &args.holdout, &vocabulary)?;
     if args.stages || verbose {
@@ -102,22 +98,6 @@ pub fn run(args: &Args, verbose: bool) -> Result<ExitCode, Error> {
 }
 
 impl Args {
-    /// Refuses names that are no effect.
-    fn check_ids(&self) -> Result<(), Error> {
-        for id in self.only.iter().chain(&self.without) {
-            if find(id).is_none() && id != CONTROLLER {
-                return Err(conclude::unknown_effect(id));
-            }
-        }
-        Ok(())
-    }
-
-    /// Whether an effect may be named.
-    fn may_name(&self, id: &str) -> bool {
-        (self.only.is_empty() || self.only.iter().any(|only| only == id))
-            && !self.without.iter().any(|other| other == id)
-    }
-
     /// Whether the answer as JSON goes to standard output, and nothing else does.
     fn to_stdout(&self) -> bool {
         self.json.as_deref() == Some(Path::new("-"))

@@ -1,12 +1,12 @@
 //! One file for each command: its flags and what it does with them.
 
 mod commission;
-mod compare;
+pub mod compare;
 mod convert;
 mod decode;
 mod delays;
 mod demo;
-mod diagnose;
+pub mod diagnose;
 mod doctor;
 mod effort_units;
 mod examples;
@@ -20,9 +20,9 @@ mod paper;
 mod prove;
 mod record;
 mod replay;
-mod simulate;
+pub mod simulate;
 mod stability;
-mod tune;
+pub mod tune;
 mod velocity_check;
 
 use std::process::ExitCode;

@@ -6,7 +6,9 @@ use er_servo::experiment::{Experiment, MAX_TONES, Shape};
 
 use super::Overwrite;
 use super::machine::MachineArgs;
-use crate::simulate::{Disturbance, Reference, Scenario, Setup, Summary, figure, period_s, record, run as run_loop};
+use crate::simulate::{
+    Disturbance, Reference, Row, Scenario, Setup, Summary, figure, period_s, record, run as run_loop,
+};
 use crate::{Error, output};
 
 /// The built-in scenarios.
@@ -116,19 +118,7 @@ pub fn run(args: &Args) -> Result<(), Error> {
     let out = args.out.as_ref().map(|file| files.writes(file));
     let plot = args.plot.as_ref().map(|file| files.writes(file));
     let mut outputs = files.check()?;
-    let (model, config) = args.machine.build()?;
-    let config = args.law(config);
-    let scenario = args.scenario()?;
-    let setup = Setup {
-        model,
-        config,
-        disturbances: scenario.disturbances,
-        sensor_noise_rad: args.sensor_noise_rad,
-        torque_noise_nm: args.torque_noise_nm,
-        seed: u64::from(args.seed),
-    };
-    let period_s = period_s(&config);
-    let rows = run_loop(&setup, scenario.reference.positions(period_s)?)?;
+    let Simulated { rows, period_s } = args.simulate()?;
     if let Some(out) = out {
         let file = outputs.file(out).to_path_buf();
         let name = file.file_name().unwrap_or_default().to_string_lossy();
@@ -149,7 +139,37 @@ pub fn run(args: &Args) -> Result<(), Error> {
     Ok(())
 }
 
+/// A run of the closed loop.
+#[derive(Debug)]
+pub struct Simulated {
+    /// One a control period.
+    pub rows: Vec<Row>,
+    /// s.
+    pub period_s: f64,
+}
+
 impl Args {
+    /// Runs the loop; writes nothing.
+    ///
+    /// # Errors
+    /// Flags or files that cannot be followed.
+    pub fn simulate(&self) -> Result<Simulated, Error> {
+        let (model, config) = self.machine.build()?;
+        let config = self.law(config);
+        let scenario = self.scenario()?;
+        let setup = Setup {
+            model,
+            config,
+            disturbances: scenario.disturbances,
+            sensor_noise_rad: self.sensor_noise_rad,
+            torque_noise_nm: self.torque_noise_nm,
+            seed: u64::from(self.seed),
+        };
+        let period_s = period_s(&config);
+        let rows = run_loop(&setup, scenario.reference.positions(period_s)?)?;
+        Ok(Simulated { rows, period_s })
+    }
+
     /// The law of the machine with what the flags change.
     fn law(&self, config: er_servo::Config) -> er_servo::Config {
         let config = er_servo::Config { hold: config.hold || self.hold, ..config };

@@ -7,7 +7,7 @@ use super::machine::MachineArgs;
 use crate::output::formats;
 use crate::read::Machine;
 use crate::stability::NormalisedGains;
-use crate::tune::{Demands, Steps, Task, figure, machine, summary, tune};
+use crate::tune::{Demands, Steps, Task, Tuning, figure, machine, summary, tune};
 use crate::{Error, output};
 
 /// Flags of `tune`.
@@ -59,20 +59,42 @@ pub fn run(args: &Args) -> Result<(), Error> {
     files.reads_all(&args.machine.machine);
     let (picture, file) = (files.writes(&args.out.join("tune.svg")), files.writes(&args.out.join("tuned.toml")));
     let mut outputs = files.check()?;
-    let task = args.task()?;
-    let tuning = tune(&task)?;
-    let read = args.machine.machine.as_deref().map(Machine::read).transpose()?;
+    let Tuned { tuning, machine, summary } = args.tune()?;
     output::figure(&mut outputs, picture, &figure(&tuning))?;
-    let tuned = machine(&task, &tuning, read).to_toml();
+    let tuned = machine.to_toml();
     let tuned =
         tuned.map_err(|error| Error::Output { file: outputs.file(file).to_path_buf(), reason: error.to_string() })?;
     output::text(&mut outputs, file, &formats::toml(&tuned))?;
     outputs.finish()?;
     let (picture, file) = (outputs.file(picture).display(), outputs.file(file).display());
-    output::print(&format!("{}\nwrote {picture} and {file}\n", summary(&task, &tuning)))
+    output::print(&format!("{summary}\nwrote {picture} and {file}\n"))
+}
+
+/// What tuning gave.
+#[derive(Debug)]
+pub struct Tuned {
+    /// The gains and all that was judged on the way.
+    pub tuning: Tuning,
+    /// The machine with these gains.
+    pub machine: Machine,
+    /// What was found, in words.
+    pub summary: String,
 }
 
 impl Args {
+    /// Tunes; writes nothing.
+    ///
+    /// # Errors
+    /// Flags or a machine that cannot be followed, demands that no gains keep.
+    pub fn tune(&self) -> Result<Tuned, Error> {
+        let task = self.task()?;
+        let tuning = tune(&task)?;
+        let read = self.machine.machine.as_deref().map(Machine::read).transpose()?;
+        let machine = machine(&task, &tuning, read);
+        let summary = summary(&task, &tuning);
+        Ok(Tuned { tuning, machine, summary })
+    }
+
     /// Refuses a flag outside its range.
     fn check(&self) -> Result<(), Error> {
         let checks = [

@@ -1,4 +1,4 @@
-//! A diagnosis from files: read, looked at, concluded.
+//! A diagnosis from files, or from what was read of them: looked at, concluded.
 
 use std::path::{Path, PathBuf};
 
@@ -37,6 +37,19 @@ pub fn of_files(
         files.iter().map(|file| Recording::of(file, &machine)).collect()
     };
     let (recordings, holdout) = (read(recordings)?, read(holdout)?);
+    of_recordings(machine, recordings, holdout, vocabulary)
+}
+
+/// Diagnoses recordings that are in memory.
+///
+/// # Errors
+/// Data that nothing can be computed from, and as [`diagnose`].
+pub fn of_recordings(
+    machine: Machine,
+    recordings: Vec<Recording>,
+    holdout: Vec<Recording>,
+    vocabulary: &[&'static Effect],
+) -> Result<OfFiles, Error> {
     let warnings = precheck::warnings(&machine, &recordings, &holdout, Purpose::Diagnose)?;
     let request = Request { machine: &machine, recordings: &recordings, holdout: &holdout, vocabulary };
     let mut diagnosis = diagnose(&request)?;

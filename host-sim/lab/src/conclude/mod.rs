@@ -8,7 +8,7 @@ mod stretches;
 mod values;
 mod whitened;
 
-use diagnosis::effects::{Effect, VOCABULARY};
+use diagnosis::effects::{Effect, VOCABULARY, find};
 use diagnosis::physics::Physics;
 use diagnosis::pipeline::{Conclusion, diagnose_as_read};
 use diagnosis::problem::Problem;
@@ -16,13 +16,14 @@ use diagnosis::recorded::Recorded;
 use diagnosis::verdict::Verdict as Judged;
 
 use self::controller::mismatch;
-pub use self::files::{OfFiles, of_files};
+pub use self::files::{OfFiles, of_files, of_recordings};
 use self::lost::Lost;
 use self::stretches::stretches;
 pub use self::whitened::Whitened;
 use crate::Error;
 use crate::progress::Stages;
 use crate::propose::{self, Limits, Proposal};
+use crate::read::vocabulary::CONTROLLER;
 use crate::read::{Axis, AxisKind, Machine, Recording, nearest, position_step};
 use crate::report::{Answer, Verdict};
 
@@ -66,6 +67,21 @@ pub fn unknown_effect(id: &str) -> Error {
     let near = nearest(id, VOCABULARY.iter().map(|effect| effect.id));
     let near = near.map_or_else(String::new, |near| format!("; the nearest is `{near}`"));
     Error::Usage(format!("there is no effect `{id}`{near}; `servo-lab help effects` lists them"))
+}
+
+/// The effects that may be named: those of `only`, all where it is empty, but those of `without`.
+///
+/// # Errors
+/// A name that is no effect.
+pub fn vocabulary(only: &[String], without: &[String]) -> Result<Vec<&'static Effect>, Error> {
+    for id in only.iter().chain(without) {
+        if find(id).is_none() && id != CONTROLLER {
+            return Err(unknown_effect(id));
+        }
+    }
+    let has = |ids: &[String], effect: &Effect| ids.iter().any(|id| id == effect.id);
+    let may_be_named = |effect: &&Effect| (only.is_empty() || has(only, effect)) && !has(without, effect);
+    Ok(VOCABULARY.iter().copied().filter(|effect| may_be_named(effect)).collect())
 }
 
 /// Diagnoses recordings with the likelihood as the only judge.

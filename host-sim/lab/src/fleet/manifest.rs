@@ -26,7 +26,8 @@ pub struct Task {
     pub holdout: String,
     /// When it was recorded, ISO 8601; empty where that is not told.
     pub date: String,
-    pub(super) folder: PathBuf,
+    /// What its files are relative to.
+    pub folder: PathBuf,
 }
 
 /// The diagnoses of a manifest, CSV or Parquet; files in it are relative to its folder.

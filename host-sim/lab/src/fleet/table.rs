@@ -66,25 +66,45 @@ const KEY: &str = "key";
 /// Columns of numbers, in the order of [`Row::numbers`].
 const NUMBERS: [&str; 4] = ["heldout_before_rms", "heldout_after_rms", "heldout_floor_rms", "excess_explained"];
 
+/// The cells of the table, column by column.
+#[derive(Debug, Default)]
+pub struct Columns {
+    lines: Vec<u64>,
+    texts: [Vec<String>; TEXTS.len()],
+    numbers: [Vec<f64>; NUMBERS.len()],
+}
+
+impl Columns {
+    /// Of the rows.
+    ///
+    /// # Errors
+    /// An answer that is no JSON, which answers always are.
+    pub fn of(rows: &[&Row]) -> Result<Self, serde_json::Error> {
+        let mut columns = Self { lines: rows.iter().map(|row| row.task.line).collect(), ..Self::default() };
+        for row in rows {
+            columns.texts.iter_mut().zip(row.texts()?).for_each(|(column, cell)| column.push(cell));
+            columns.numbers.iter_mut().zip(row.numbers()).for_each(|(column, cell)| column.push(cell));
+        }
+        Ok(columns)
+    }
+
+    /// With their names, in the order of the table.
+    pub fn named(&self) -> Vec<(&'static str, Cells<'_>)> {
+        let texts = TEXTS.into_iter().zip(&self.texts).map(|(name, cells)| (name, Cells::Text(cells)));
+        let numbers = NUMBERS.into_iter().zip(&self.numbers).map(|(name, cells)| (name, Cells::Real(cells)));
+        std::iter::once(("line", Cells::Seq(&self.lines))).chain(texts).chain(numbers).collect()
+    }
+}
+
 /// Writes the table, which appears at once in the place of the one before.
 ///
 /// # Errors
 /// [`Error::Output`].
 pub fn write(outputs: &mut Outputs, table: Output, rows: &[&Row]) -> Result<(), Error> {
-    let lines: Vec<u64> = rows.iter().map(|row| row.task.line).collect();
-    let mut texts: [Vec<String>; TEXTS.len()] = Default::default();
-    let mut numbers: [Vec<f64>; NUMBERS.len()] = Default::default();
-    for row in rows {
-        let cells = row
-            .texts()
-            .map_err(|error| Error::Output { file: outputs.file(table).to_path_buf(), reason: error.to_string() })?;
-        texts.iter_mut().zip(cells).for_each(|(column, cell)| column.push(cell));
-        numbers.iter_mut().zip(row.numbers()).for_each(|(column, cell)| column.push(cell));
-    }
-    let mut columns = vec![("line", Cells::Seq(&lines))];
-    columns.extend(TEXTS.iter().zip(&texts).map(|(name, cells)| (*name, Cells::Text(cells))));
-    columns.extend(NUMBERS.iter().zip(&numbers).map(|(name, cells)| (*name, Cells::Real(cells))));
-    outputs.table(table, "fleet", &columns)?;
+    let failed =
+        |error: serde_json::Error| Error::Output { file: outputs.file(table).to_path_buf(), reason: error.to_string() };
+    let columns = Columns::of(rows).map_err(failed)?;
+    outputs.table(table, "fleet", &columns.named())?;
     outputs.finish()
 }
 

@@ -57,6 +57,16 @@ impl<'a> Comparison<'a> {
         self.residuals[0].rms()
     }
 
+    /// Length, s, and root mean square of the residual, rad (m), of the shorter windows, then of the longer ones.
+    pub fn windows(&self) -> impl Iterator<Item = (f64, f64)> {
+        self.residuals.iter().map(|residual| (residual.horizon_s, residual.rms()))
+    }
+
+    /// Standard deviation of the sensor's noise, one sample, rad (m).
+    pub fn noise(&self) -> f64 {
+        self.noise
+    }
+
     /// Share of the residual torque that a channel explains; 0 where the recording lacks it.
     pub fn explained(&self, channel: Channel) -> f64 {
         self.maps.iter().find(|map| map.channel == channel).map_or(0.0, |map| map.explained)
