@@ -160,16 +160,12 @@ fn balance(axis: &Axis, recordings: &[Recording], windows: &[Window], length_s: 
         axis.kind == AxisKind::Rotary && recordings.iter().any(|recording| travel(recording) > GRAVITY_TRAVEL_RAD);
     use term::{CONSTANT, COSINE, DIRECTION, POSITION, SINE, SPEED};
     let plain = fit(windows, &without_direction(&[CONSTANT, DIRECTION, SPEED]))?;
-    let mut best = plain;
     // Over a short way gravity and an offset look alike; then gravity is tried alone.
-    for terms in [&[CONSTANT, DIRECTION, SPEED, SINE, COSINE][..], &[DIRECTION, SPEED, SINE, COSINE]] {
-        let with_gravity = if turns { fit(windows, &without_direction(terms)) } else { None };
-        let belongs = |fit: &Fit| fit.left < (1.0 - GRAVITY_EXPLAINS) * best.left && fit.gravity().is_some();
-        if let Some(fit) = with_gravity.filter(belongs) {
-            best = fit;
-            break;
-        }
-    }
+    let tried = [&[CONSTANT, DIRECTION, SPEED, SINE, COSINE][..], &[DIRECTION, SPEED, SINE, COSINE]];
+    let mut with_gravity =
+        tried.into_iter().filter(|_| turns).filter_map(|terms| fit(windows, &without_direction(terms)));
+    let enough = (1.0 - GRAVITY_EXPLAINS) * plain.left;
+    let best = with_gravity.find(|fit| fit.left < enough && fit.gravity().is_some()).unwrap_or(plain);
     // Gravity, a spring or another body may look like an inertia of the wrong sign: with all of them it must still be one, and no
     // machine gives back more work than it was given.
     let all: &[usize] = if turns {
@@ -182,13 +178,38 @@ fn balance(axis: &Axis, recordings: &[Recording], windows: &[Window], length_s: 
     let reversed = is_negative(&best) && whole.is_some_and(|fit| is_negative(&fit)) && work(recordings) < 0.0;
     let largest =
         recordings.iter().flat_map(|recording| &recording.effort_cmd).fold(0.0, |most: f64, e| most.max(e.abs()));
-    let settled = settled(windows, best, if reversed { -1.0 } else { 1.0 }, largest)?;
+    let settled = settled(windows, best, if reversed { -1.0 } else { 1.0 }, largest);
     Some(FirstModel { one_way, windows: (windows.len(), length_s), reversed, ..settled })
 }
 
 /// The balance without the terms that nothing tells, or that cannot be: each is left out by itself, the least known first, for it
 /// may have spoilt the others.
-fn settled(windows: &[Window], whole: Fit, sign: f64, largest: f64) -> Option<FirstModel> {
+fn settled(windows: &[Window], whole: Fit, sign: f64, largest: f64) -> FirstModel {
+    let (best, dropped) = without_untold(windows, whole, sign, largest);
+    let value = |term: usize| {
+        let kept = best.of(term);
+        let left_out = || dropped.iter().find(|(of, _)| *of == term).map(|(_, value)| Value { kept: false, ..*value });
+        let value = kept.or_else(left_out).unwrap_or(Value::NONE);
+        Value { value: sign * value.value, ..value }
+    };
+    let offset = value(term::CONSTANT);
+    let gravity = best.gravity().map(|amplitude| (amplitude, value(term::COSINE).value.atan2(value(term::SINE).value)));
+    FirstModel {
+        inertia: Value { value: sign * best.values[0].value, ..best.values[0] },
+        coulomb: value(term::DIRECTION),
+        viscous: value(term::SPEED),
+        offset: Value { value: -offset.value, ..offset },
+        gravity,
+        explained: best.explained,
+        left: best.left,
+        windows: (windows.len(), 0.0),
+        reversed: false,
+        one_way: false,
+    }
+}
+
+/// The balance of the terms that remain, and those left out with the values that they had.
+fn without_untold(windows: &[Window], whole: Fit, sign: f64, largest: f64) -> (Fit, Vec<(usize, Value)>) {
     let fastest = windows.iter().fold(0.0, |most: f64, window| most.max(window.speed.abs()));
     let droppable = [term::CONSTANT, term::DIRECTION, term::SPEED];
     let doubt = |term: usize, value: Value| {
@@ -210,26 +231,7 @@ fn settled(windows: &[Window], whole: Fit, sign: f64, largest: f64) -> Option<Fi
         dropped.push((term, value));
         best = next;
     }
-    let value = |term: usize| {
-        let kept = best.of(term);
-        let left_out = || dropped.iter().find(|(of, _)| *of == term).map(|(_, value)| Value { kept: false, ..*value });
-        let value = kept.or_else(left_out).unwrap_or(Value::NONE);
-        Value { value: sign * value.value, ..value }
-    };
-    let offset = value(term::CONSTANT);
-    let gravity = best.gravity().map(|amplitude| (amplitude, value(term::COSINE).value.atan2(value(term::SINE).value)));
-    Some(FirstModel {
-        inertia: Value { value: sign * best.values[0].value, ..best.values[0] },
-        coulomb: value(term::DIRECTION),
-        viscous: value(term::SPEED),
-        offset: Value { value: -offset.value, ..offset },
-        gravity,
-        explained: best.explained,
-        left: best.left,
-        windows: (windows.len(), 0.0),
-        reversed: false,
-        one_way: false,
-    })
+    (best, dropped)
 }
 
 fn is_one_way(windows: &[Window]) -> bool {

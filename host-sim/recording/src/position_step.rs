@@ -36,18 +36,34 @@ pub fn position_step(positions: &[f64]) -> Option<f64> {
     distances.sort_by(f64::total_cmp);
     // Below a leap are places that are the same but for rounding. The smallest of all comes last.
     let leaps = distances.windows(2).rev().filter(|pair| pair[1] > LEAP * pair[0]).map(|pair| pair[1]);
-    leaps.chain(distances.first().copied()).find_map(|first| {
+    let step = leaps.chain(distances.first().copied()).find_map(|first| {
         values_apart(&values, first / LEAP, changes).and_then(|places| step_near(first, &places, changes))
-    })
+    });
+    step.filter(|step| !is_of_one_speed(positions, *step))
 }
 
-/// The values, one of those closer than `least`; none where too few are left to tell anything.
+/// Whether most rows move on by the same number of steps, other than none: places at one speed lie on a lattice of their own.
+fn is_of_one_speed(positions: &[f64], step: f64) -> bool {
+    let mut moves: Vec<f64> = positions.windows(2).map(|pair| ((pair[1] - pair[0]) / step).round()).collect();
+    moves.sort_by(f64::total_cmp);
+    let middle = moves[moves.len() / 2];
+    let same = moves.iter().filter(|one| **one == middle).count();
+    middle != 0.0 && 2 * same > moves.len()
+}
+
+/// The values, one of those closer than `least`; none where they go on from one to the next, so that nothing lies apart, or where too
+/// few are left to tell anything.
 fn values_apart(values: &[f64], least: f64, changes: usize) -> Option<Vec<f64>> {
     let mut places: Vec<f64> = Vec::new();
+    let mut before = f64::NEG_INFINITY;
     for value in values {
         if places.last().is_none_or(|last| value - last > least) {
+            if value - before < least {
+                return None;
+            }
             places.push(*value);
         }
+        before = *value;
     }
     // Values that repeat are of a lattice, however few they are.
     (places.len() > ENOUGH_DISTANCES || (places.len() > 2 && 2 * places.len() < changes)).then_some(places)
@@ -131,6 +147,14 @@ mod tests {
             let rounded = on_lattice(1e-5, on_lattice(step, swing(3000, 0.17)).into_iter());
             near(position_step(&rounded), step);
         }
+    }
+
+    #[test]
+    fn places_at_one_speed_are_no_steps() {
+        let ramp = |row: u32| 0.27 * f64::from(row) + 0.01 * (f64::from(row) * 0.7).sin();
+        assert_eq!(position_step(&(0..500).map(ramp).collect::<Vec<_>>()), None);
+        // But a sensor that a slow axis counts up one by one has them.
+        near(position_step(&on_lattice(1e-3, (0..3000).map(|row| 3e-4 * f64::from(row)))), 1e-3);
     }
 
     #[test]

@@ -1,5 +1,7 @@
 //! Whether a logged velocity is the derivative of the position beside it.
 
+use std::fmt;
+
 use crate::precheck::windows::median_period_s;
 use crate::read::Recording;
 
@@ -13,20 +15,38 @@ const RIGHT_WITHIN: f64 = 0.1;
 /// Correlation below which the two have nothing to do with each other.
 const RELATED: f64 = 0.9;
 
-/// What is wrong with the velocity of a recording, and what to do; none where it is right or there is none.
-pub(super) fn wrong_velocity(recording: &Recording) -> Option<String> {
+/// What is wrong with a logged velocity.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum WrongVelocity {
+    /// It goes with the position, but this many times as slow.
+    Scaled(f64),
+    /// It does not go with the position: of something else, or of a place behind a shaft, or filtered and late. No error by itself.
+    Unlike,
+}
+
+impl fmt::Display for WrongVelocity {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Scaled(factor) => write!(
+                f,
+                "the position moves {factor:.3} times as fast as the velocity column says: scale it by that, or do not use it"
+            ),
+            Self::Unlike => f.write_str(
+                "the velocity column does not go with the position: it is of another place, filtered, or late",
+            ),
+        }
+    }
+}
+
+/// What is wrong with the velocity of a recording; none where it is right or there is none.
+pub(super) fn wrong_velocity(recording: &Recording) -> Option<WrongVelocity> {
     let velocity = recording.velocity.as_ref()?;
     let compared = STRETCHES_S.into_iter().filter_map(|stretch_s| compared(recording, velocity, stretch_s));
     let (factor, correlation) = compared.max_by(|one, other| one.1.total_cmp(&other.1))?;
     if correlation < RELATED {
-        return Some("the velocity column does not follow the position: it is of something else, or late".to_owned());
+        return Some(WrongVelocity::Unlike);
     }
-    let wrong = (factor - 1.0).abs() > RIGHT_WITHIN;
-    wrong.then(|| {
-        format!(
-            "the position moves {factor:.3} times as fast as the velocity column says: scale it by that, or do not use it"
-        )
-    })
+    ((factor - 1.0).abs() > RIGHT_WITHIN).then_some(WrongVelocity::Scaled(factor))
 }
 
 /// What the velocity must be multiplied by to be the derivative of the position, and how well the two go together, 0 to 1; none

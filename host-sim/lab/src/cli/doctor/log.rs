@@ -5,7 +5,7 @@ use std::path::Path;
 use super::{Check, State};
 use crate::Error;
 use crate::cli::effort_units::EffortUnits;
-use crate::cli::velocity_check::wrong_velocity;
+use crate::cli::velocity_check::{WrongVelocity, wrong_velocity};
 use crate::first_model::{FirstModel, first_model, first_model_of};
 use crate::precheck::windows::median_period_s;
 use crate::precheck::{SLOWEST_SAMPLING_S, is_too_slow};
@@ -49,12 +49,17 @@ pub(super) fn checks(file: &Path, machine: Option<&Machine>, given: Given<'_>) -
     let mut checks = vec![rate(&recording, period_s), jitter(&recording, period_s), gaps(&recording)];
     checks.push(steps(&recording, resolution));
     checks.extend(wrapped);
-    checks.extend(wrong_velocity(&recording).map(|wrong| Check::new(State::Bad, "velocity", wrong)));
+    checks.extend(wrong_velocity(&recording).map(velocity));
     checks.push(saturation(&recording, &units));
     let model = first_model(&axis, std::slice::from_ref(&recording));
     checks.push(balance(model.as_ref(), &units));
     checks.extend(model.map(|model| skew(&recording, &axis, &model, period_s)));
     Ok(checks)
+}
+
+fn velocity(wrong: WrongVelocity) -> Check {
+    let state = if wrong == WrongVelocity::Unlike { State::Note } else { State::Bad };
+    Check::new(state, "velocity", wrong.to_string())
 }
 
 /// Whether the position wraps; if so it counts on afterwards, for the other checks.
