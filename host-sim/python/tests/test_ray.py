@@ -15,7 +15,8 @@ ray = pytest.importorskip("ray")
 from ray.cluster_utils import Cluster  # noqa: E402
 from servo_lab import ray as servo_ray  # noqa: E402
 
-ROWS = 8
+# More, as 24, show the time of a diagnosis on the cluster rather than that of its start.
+ROWS = int(os.environ.get("FLEET_ROWS", "4"))
 
 
 @pytest.fixture(scope="module")

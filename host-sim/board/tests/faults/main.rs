@@ -118,7 +118,7 @@ fn last_heard_ns(run: &Run) -> u64 {
 }
 
 /// Times that each cause comes in a run of all tests; a run of the thousand takes a quarter of an hour on two cores.
-const FEW: u64 = 6;
+const FEW: u64 = 4;
 
 #[test]
 fn every_cause_a_few_times() {

@@ -7,6 +7,7 @@ use diagnosis::verdict as judged;
 use diagnosis::windows::window_s;
 
 use crate::read::{AxisKind, vocabulary};
+use crate::report::html::measure;
 use crate::report::{
     Answer, EffectAnswer, Evidence, FitAnswer, Interval, Location, PredictorAnswer, Rejected, RemainderAnswer, Units,
     Verdict,
@@ -127,7 +128,7 @@ fn location(problem: &Problem, span: &Span, axis: AxisKind) -> Location {
         share: span.share,
         share_low: span.share_low,
         share_high: span.share_high,
-        text: format!("while the axis moves at {:.3} {speed} on average", span.speed),
+        text: format!("while the axis moves at {} {speed} on average", measure(span.speed)),
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use super::html::number;
+use super::html::{measure, number};
 use super::{Answer, EffectAnswer, FitAnswer, Interval, Location, RemainderAnswer, Verdict};
 
 /// Lines of the longest answer: what a terminal shows at once.
@@ -152,15 +152,16 @@ fn write_fit(text: &mut String, fit: &FitAnswer) -> std::fmt::Result {
 fn write_remainder(text: &mut String, left: &RemainderAnswer) -> std::fmt::Result {
     writeln!(
         text,
-        "Left: {:.3} {} rms, some of which the values above may have absorbed.",
-        left.effort_rms, left.unit
+        "Left: {} {} rms, some of which the values above may have absorbed.",
+        measure(left.effort_rms),
+        left.unit
     )?;
     if !left.unnamed.is_empty() {
         writeln!(text, "  traces of: {}", left.unnamed.join(", "))?;
     }
     for one in &left.predictors {
         let (share, p) = (per_cent(one.share), one.p_value);
-        let rms = one.effort_rms.map(|rms| format!(", {rms:.3} {} rms", left.unit)).unwrap_or_default();
+        let rms = one.effort_rms.map(|rms| format!(", {} {} rms", measure(rms), left.unit)).unwrap_or_default();
         writeln!(text, "  {} predicts {share} % of its squares (p = {p:.1e}){rms}", one.channel)?;
     }
     Ok(())

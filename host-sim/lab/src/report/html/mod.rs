@@ -17,10 +17,10 @@ mod words;
 pub use data::PlotData;
 use maps::{Band, MapPlot};
 use markup::Section;
-pub(crate) use words::number;
 #[cfg(test)]
 pub(crate) use words::sentence;
 pub(crate) use words::{estimate, interval};
+pub(crate) use words::{measure, number};
 
 use crate::Error;
 use crate::output::Provenance;

@@ -17,7 +17,7 @@ pub(crate) fn sentence(answer: &Answer) -> String {
         }
         Verdict::Partial => {
             let left = answer.remainder.as_ref().map_or_else(String::new, |left| {
-                format!(", {} rms of it", with_unit(&format!("{:.3}", left.effort_rms), &left.unit))
+                format!(", {} rms of it", with_unit(&measure(left.effort_rms), &left.unit))
             });
             format!(
                 "The model lacks {found}, which takes {fall} % of the error on data the fit never saw; something more is \
@@ -89,6 +89,11 @@ pub(crate) fn number(value: f64, width: f64) -> String {
     format!("{value:.decimals$}")
 }
 
+/// A number without an interval, for orientation: three digits.
+pub(crate) fn measure(value: f64) -> String {
+    number(value, 0.1 * value.abs())
+}
+
 /// A number without an interval: up to four digits, and no zeros behind the last.
 pub(super) fn short(value: f64) -> String {
     let text = number(value, 0.0);
@@ -140,6 +145,7 @@ mod tests {
         ] {
             assert_eq!(fit_percent(share), text, "{share}");
         }
+        assert_eq!((measure(0.3751), measure(3.2e-5), measure(0.0)), ("0.375".into(), "3.20e-5".into(), "0".into()));
         assert_eq!((short(0.005), short(30.0), short(1.2e-7)), ("0.005".into(), "30".into(), "1.200e-7".into()));
     }
 
