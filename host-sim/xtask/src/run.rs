@@ -25,6 +25,22 @@ pub fn run(mut command: Command) -> Result<(), String> {
     }
 }
 
+/// Starts a command that runs beside what comes next. What is returned waits for its end and shows its output.
+///
+/// # Errors
+///
+/// As [`run`].
+pub fn beside(mut command: Command) -> impl FnOnce() -> Result<(), String> {
+    let shown = shown(&command);
+    let running = std::thread::spawn(move || command.stdin(Stdio::null()).output());
+    move || {
+        let ended = running.join().map_err(|_| format!("`{shown}` was not waited for"))?;
+        let output = ended.map_err(|error| format!("`{shown}` could not be started: {error}"))?;
+        print!("{}{}", String::from_utf8_lossy(&output.stderr), String::from_utf8_lossy(&output.stdout));
+        if output.status.success() { Ok(()) } else { Err(format!("`{shown}` failed ({})", output.status)) }
+    }
+}
+
 /// Standard output of a command that succeeds, without the line end; `None` otherwise.
 pub fn output(command: &mut Command) -> Option<String> {
     let output = command.stdin(Stdio::null()).stderr(Stdio::null()).output().ok()?;

@@ -3,7 +3,7 @@
 use std::process::Command;
 use std::time::Instant;
 
-use crate::run::{cargo, output, run};
+use crate::run::{beside, cargo, output, run};
 use crate::{firmware, python, root};
 
 /// Runs every step; one line each with its seconds, and a last line with all of them.
@@ -41,9 +41,18 @@ pub fn all() -> Result<(), String> {
     steps.run("board clippy", {
         on_board(&["clippy", "--release", "--ignore-rust-version", "--all-targets", "--", "-D", "warnings"])
     })?;
-    steps.run("board tests", on_board(&["test", "--release", "--ignore-rust-version"]))?;
+    steps.step("board tests", || board_tests(on_board))?;
     println!("xtask test: all passed: {}", steps.summary());
     Ok(())
+}
+
+/// The tests of the emulated board: the commissioning, a minute of one core, beside the others.
+fn board_tests(on_board: impl Fn(&[&str]) -> Command) -> Result<(), String> {
+    let test = ["test", "--release", "--ignore-rust-version"];
+    let commissioning = beside(on_board(&[&test[..], &["--test", "commission"]].concat()));
+    let others = run(on_board(&[&test[..], &["--", "--skip", "a_drive_is_commissioned"]].concat()));
+    // Both are waited for, so that nothing goes on when this ends.
+    commissioning().and(others)
 }
 
 /// Runs every benchmark of the workspace.
