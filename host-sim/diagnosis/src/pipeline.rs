@@ -92,14 +92,17 @@ fn equivalent(
 
 /// Diagnoses, and returns the problem as its torque column was read: where it may be a measurement, and is held like a command, also
 /// as commands. That reading shows what is faster than the other's band, but takes its noise for that of the motion up to the sampling
-/// rate: it is believed if it predicts what judges by a relevant part better, or explains everything where the other found nothing.
+/// rate: it is believed if it predicts what judges by a relevant part better, or as well and explains everything, with fewer values
+/// than the other or where the other found nothing.
 /// None where no pass over the recordings is finite.
 pub fn diagnose_as_read(problem: Problem, vocabulary: &[&'static Effect]) -> Option<(Problem, Conclusion)> {
     let measured = diagnose(&problem, vocabulary)?;
     let Some(commands) = problem.as_commands() else { return Some((problem, measured)) };
     let commands = commands.allowing(WORK.saturating_sub(problem.work()));
     let believed = diagnose(&commands, vocabulary).filter(|commanded| {
-        let explains = !commanded.cut_short && commanded.remainder.is_none() && measured.effects.is_empty();
+        let freedom = |found: &Conclusion| found.best.assessed.freedom();
+        let simpler = measured.effects.is_empty() || freedom(commanded) < freedom(&measured);
+        let explains = !commanded.cut_short && commanded.remainder.is_none() && simpler;
         match prediction(&commands, &commanded.best, &measured.best) {
             Prediction::Better => true,
             Prediction::Alike => explains,
@@ -156,7 +159,7 @@ fn concluded(problem: &Problem, vocabulary: &[&'static Effect]) -> Option<Conclu
     let finer = integrated.then(|| problem.finer_within(of_estimate, PASSES_OF_ESTIMATE));
     let found = match &finer {
         Some(finer) => estimated(finer, found),
-        None => found,
+        None => without_doubtful(problem, Found { best: found.best.clone().widened(problem), ..found }),
     };
     let left = remainder(finer.as_ref().unwrap_or(problem), &found);
     let (effects, in_the_set) = named(problem, &found);
@@ -178,12 +181,16 @@ fn concluded(problem: &Problem, vocabulary: &[&'static Effect]) -> Option<Conclu
     })
 }
 
-/// With the values on a finer grid, without the entries whose intervals there hold what they are without the effect.
-fn estimated(finer: &Problem, mut found: Found) -> Found {
-    let (Some(nominal), Some(best)) = (found.nominal.estimated(finer), found.best.estimated(finer)) else {
-        return found;
-    };
-    (found.nominal, found.best) = (nominal, best);
+/// With the values on a finer grid.
+fn estimated(finer: &Problem, found: Found) -> Found {
+    match (found.nominal.estimated(finer), found.best.estimated(finer)) {
+        (Some(nominal), Some(best)) => without_doubtful(finer, Found { nominal, best, ..found }),
+        _ => found,
+    }
+}
+
+/// Without the entries whose intervals hold what they are without the effect.
+fn without_doubtful(finer: &Problem, mut found: Found) -> Found {
     loop {
         let best = &found.best.assessed;
         let hypothesis = &best.refitted.hypothesis;

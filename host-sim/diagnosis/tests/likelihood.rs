@@ -4,7 +4,7 @@
 mod common;
 
 use common::{Making, PLAIN, STEP_RAD, recording};
-use diagnosis::confidence_set::assess;
+use diagnosis::confidence_set::{Step, assess, intervals};
 use diagnosis::effects::{VOCABULARY, find};
 use diagnosis::hypothesis::{Hypothesis, evaluate, refit};
 use diagnosis::physics::Physics;
@@ -132,7 +132,7 @@ fn a_value_whose_interval_holds_the_nominal_one_is_not_away_from_it() {
         let problem = problem(machine(), &Model { viscous, ..machine() }, 0.02);
         let start = Hypothesis::default().with(find("viscous_friction").unwrap(), vec![0.01]);
         let found = assess(&problem, refit(&problem, &start, &first_noise(&problem), 10).unwrap()).unwrap();
-        let values = diagnosis::confidence_set::intervals(&found, 0);
+        let values = intervals(&found, 0);
         assert_eq!(found.away_from_neutral(&problem, 0), away, "{viscous}: {values:?}");
     }
 }
@@ -168,6 +168,43 @@ fn intervals_know_of_the_memory_of_the_noise() {
     let value = found.effects[0].intervals[0];
     // Four standard deviations: one seed is no coverage.
     assert!((value.value - 0.03).abs() < 2.0 * (value.high - value.low), "{value:?}");
+}
+
+/// Every 250th sample is off, by 6 mrad one way or the other.
+#[test]
+fn the_share_and_the_size_of_wrong_samples_have_intervals() {
+    let making = Making { torque, ..PLAIN };
+    let recordings = (1..=3).map(|seed| {
+        let mut recorded = recording(&machine(), making, seed);
+        let wrong = recorded.position.iter_mut().skip(100).step_by(250).enumerate();
+        wrong.for_each(|(count, position)| *position += if count % 2 == 0 { 6e-3 } else { -6e-3 });
+        recorded
+    });
+    let problem = Problem::new(Physics::new(machine()), recordings.collect(), 2, STEP_RAD, false);
+    let found = diagnose(&problem, &VOCABULARY).unwrap();
+    assert_eq!(found.effects.first().map(|named| named.effect.id), Some("sensor_glitch"), "{:?}", found.effects);
+    for (interval, truth, most) in
+        [(found.effects[0].intervals[0], 0.004, 0.9), (found.effects[0].intervals[1], 6e-3, 1e-3)]
+    {
+        assert!(interval.low < truth && truth < interval.high, "{interval:?}");
+        // 16 wrong samples a recording tell their share to a fifth or so, and their size to the sensor's step.
+        assert!(interval.high - interval.low < most * truth, "{interval:?}");
+    }
+}
+
+/// The speed over which Stribeck friction falls can be larger by more than smaller.
+#[test]
+fn intervals_end_where_the_likelihood_has_fallen_enough() {
+    let falling = plant::effects::Stribeck { excess: 0.1, velocity: 0.4 };
+    let actual = Model { stribeck: Some(falling), ..machine() };
+    let problem = problem(machine(), &actual, 0.2);
+    let start = Hypothesis::default().with(find("stribeck_friction").unwrap(), vec![0.1, 0.4]);
+    let refitted = refit(&problem, &start, &first_noise(&problem), 10).unwrap();
+    let step = Step::new(&problem, refitted).unwrap();
+    let linear = intervals(&step.assessed, 0)[1];
+    let profiled = intervals(&step.profiled(&problem).assessed, 0)[1];
+    assert!(profiled.low < 0.4 && 0.4 < profiled.high, "{profiled:?}");
+    assert!(profiled.high - profiled.value > 1.1 * (linear.high - linear.value), "{profiled:?} of {linear:?}");
 }
 
 #[test]

@@ -2,6 +2,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::intervals::critical_value;
+use super::profile::Profile;
 use crate::hypothesis::{Hypothesis, Refitted, columns, kept, ranges};
 use crate::likelihood::{Colour, Noise};
 use crate::problem::Problem;
@@ -18,12 +20,23 @@ pub struct Assessed {
     pub covariance: DMatrix<f64>,
     /// Variances of the free values if every row were independent.
     pub naive: Vec<f64>,
+    /// Information of the free values.
+    pub(super) information: DMatrix<f64>,
+    /// Blocks that the covariance was estimated over.
+    blocks: usize,
+    /// What the likelihood itself says of the values beyond the quadratic that the covariance is; none until it was asked.
+    pub(super) profile: Option<Profile>,
 }
 
 impl Assessed {
     /// Number of free values.
     pub fn freedom(&self) -> usize {
         self.refitted.hypothesis.entries.iter().map(|entry| entry.effect.freedom(&entry.values)).sum()
+    }
+
+    /// What a standard deviation is multiplied by for half a 95 % interval.
+    pub fn critical_value(&self) -> f64 {
+        critical_value(self.blocks, LAGS)
     }
 
     /// Sum of the blocks.
@@ -55,7 +68,7 @@ impl Assessed {
 }
 
 /// Blocks whose scores are taken to be correlated with a block's own (Newey and West 1987): half a second either way.
-const LAGS: usize = 2;
+pub(super) const LAGS: usize = 2;
 
 /// Scores and parts of the information of each block of each recording.
 struct Linearised {
@@ -103,7 +116,8 @@ pub fn assess(problem: &Problem, refitted: Refitted) -> Option<Assessed> {
     let covariance = sandwich(&information, &scores)?;
     let naive = information.clone().cholesky()?.inverse().diagonal().iter().copied().collect();
     let crossed = crossed(problem, &refitted, &information, &scores, &parts);
-    Some(Assessed { refitted, crossed, covariance, naive })
+    let blocks = scores.iter().map(Vec::len).sum();
+    Some(Assessed { refitted, crossed, covariance, naive, information, blocks, profile: None })
 }
 
 /// The noise of a recording stands in for what its model leaves out, such as the shape of a sensor's rounding: on three tuning recordings

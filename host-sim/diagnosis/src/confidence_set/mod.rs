@@ -3,6 +3,7 @@
 mod compare;
 mod information;
 mod intervals;
+mod profile;
 
 use crate::hypothesis::{Refitted, refit};
 use crate::problem::Problem;
@@ -38,15 +39,22 @@ impl Step {
     /// missing, and not beside an interval. None where a pass is not finite.
     pub fn estimated(&self, finer: &Problem) -> Option<Self> {
         let coarse = &self.assessed.refitted;
-        let step = Self::new(finer, refit(finer, &coarse.hypothesis, &coarse.noise, STEPS)?)?;
-        let assessed = step.assessed.clone().widened_by_noise(finer).unwrap_or(step.assessed);
-        Some(Self { assessed, ..step })
+        Self::new(finer, refit(finer, &coarse.hypothesis, &coarse.noise, STEPS)?).map(|step| step.widened(finer))
     }
 
-    /// Without one of its entries, refitted on a finer grid.
-    pub fn without(&self, finer: &Problem, entry: usize) -> Option<Self> {
+    /// With the intervals that are reported. Where the motion is given, torque and sensor have one noise, and no split of it.
+    #[must_use]
+    pub fn widened(mut self, problem: &Problem) -> Self {
+        if problem.motions.is_empty() {
+            self.assessed = self.assessed.clone().widened_by_noise(problem).unwrap_or(self.assessed);
+        }
+        self.profiled(problem)
+    }
+
+    /// Without one of its entries, refitted.
+    pub fn without(&self, problem: &Problem, entry: usize) -> Option<Self> {
         let Refitted { hypothesis, noise, .. } = &self.assessed.refitted;
-        Self::new(finer, refit(finer, &hypothesis.without(entry), noise, STEPS)?)?.estimated(finer)
+        Self::new(problem, refit(problem, &hypothesis.without(entry), noise, STEPS)?)?.estimated(problem)
     }
 
     /// Whether all of its effects may be named.

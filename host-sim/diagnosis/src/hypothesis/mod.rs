@@ -4,7 +4,7 @@ mod evaluate;
 mod noise_fit;
 mod refit;
 
-use crate::effects::Effect;
+use crate::effects::{Effect, Parameter};
 use crate::physics::Physics;
 use crate::problem::Problem;
 
@@ -12,7 +12,7 @@ pub use evaluate::{Evaluation, evaluate};
 pub(crate) use evaluate::{Kept, KeptRecording, kept};
 pub use noise_fit::{coloured_noise, noise_of};
 pub use refit::{Refitted, refit};
-pub(crate) use refit::{columns, ranges};
+pub(crate) use refit::{columns, ranges, variance_along};
 
 /// One effect with its values.
 #[derive(Debug, Clone, PartialEq)]
@@ -56,9 +56,19 @@ impl Hypothesis {
 
     /// Places of the free numbers: entry, index of its value.
     pub fn free(&self) -> Vec<(usize, usize)> {
-        let of = |(at, entry): (usize, &Entry)| {
-            let free = (0..entry.values.len()).filter(|&index| entry.effect.parameter(index).free).collect::<Vec<_>>();
-            free.into_iter().map(move |index| (at, index))
+        self.places(|parameter| parameter.free)
+    }
+
+    /// Places of the numbers that no derivative tells.
+    pub fn searched(&self) -> Vec<(usize, usize)> {
+        self.places(|parameter| parameter.searched)
+    }
+
+    fn places(&self, which: impl Fn(Parameter) -> bool) -> Vec<(usize, usize)> {
+        let indices = |entry: &Entry| (0..entry.values.len()).filter(|&at| which(entry.effect.parameter(at))).collect();
+        let of = |(at, entry)| -> Vec<(usize, usize)> {
+            let indices: Vec<usize> = indices(entry);
+            indices.into_iter().map(|index| (at, index)).collect()
         };
         self.entries.iter().enumerate().flat_map(of).collect()
     }

@@ -116,34 +116,67 @@ fn descended(
     from
 }
 
-/// The numbers that no derivative tells, each followed up and down while the likelihood rises.
+/// Halvings of the step along a number that no derivative tells, after which its likelihood is taken to be flat.
+const FINEST: i32 = 20;
+
+/// The numbers that no derivative tells, each followed up and down while the likelihood rises, in steps that halve until they are
+/// small beside what the likelihood tells of the number.
 fn searched(problem: &Problem, mut best: Refitted) -> Refitted {
-    let places: Vec<(usize, usize)> = (0..best.hypothesis.entries.len())
-        .flat_map(|entry| (0..best.hypothesis.entries[entry].values.len()).map(move |index| (entry, index)))
-        .filter(|&(entry, index)| best.hypothesis.entries[entry].effect.parameter(index).searched)
-        .collect();
-    let mut octaves = if places.is_empty() { 0.0 } else { 0.5 };
-    while octaves > 0.01 {
-        let before = best.log_likelihood;
-        for &(entry, index) in &places {
-            for factor in [f64::exp2(octaves), f64::exp2(-octaves)] {
-                let mut tried = best.hypothesis.clone();
-                let of = &mut tried.entries[entry];
-                let range = of.effect.ranges(of.values.len(), &problem.nominal, &problem.excitation)[index];
-                of.values[index] = (of.values[index] * factor).max(range.low).min(range.high);
-                if let Some(found) = at(problem, tried, best.noise.clone())
-                    && found.log_likelihood > best.log_likelihood
-                {
+    for place in best.hypothesis.searched() {
+        for halvings in 1..FINEST {
+            let octaves = f64::exp2(f64::from(-halvings));
+            let before = best.log_likelihood;
+            let mut change = 0.0_f64;
+            for sign in [1.0, -1.0] {
+                while let Some(found) = along(problem, &best, place, sign * octaves) {
+                    change = change.max((found.log_likelihood - best.log_likelihood).abs());
+                    if found.log_likelihood <= best.log_likelihood || problem.is_spent() {
+                        break;
+                    }
                     best = found;
-                    break;
                 }
             }
-        }
-        if best.log_likelihood - before < 2.0 * SETTLED {
-            octaves *= 0.5;
+            if best.log_likelihood - before < SETTLED && change < SETTLED {
+                break;
+            }
         }
     }
     best
+}
+
+/// With a number that no derivative tells moved by a power of two; none where its range ends.
+fn along(problem: &Problem, from: &Refitted, (entry, index): (usize, usize), octaves: f64) -> Option<Refitted> {
+    let mut tried = from.hypothesis.clone();
+    let of = &mut tried.entries[entry];
+    let range = of.effect.ranges(of.values.len(), &problem.nominal, &problem.excitation)[index];
+    let value = of.values[index] * octaves.exp2();
+    of.values[index] = value;
+    (range.low <= value && value <= range.high).then(|| at(problem, tried, from.noise.clone())).flatten()
+}
+
+/// Variance of the number at a place of [`Hypothesis::searched`], the others held, from how far its likelihood falls over the smallest
+/// step, of those that are powers of two, over which that is as much as over a standard deviation.
+pub(crate) fn variance_along(problem: &Problem, best: &Refitted, place: (usize, usize)) -> f64 {
+    let value = best.hypothesis.entries[place.0].values[place.1];
+    let fall = |halvings: i32| {
+        let octaves = f64::exp2(f64::from(-halvings));
+        let falls =
+            [octaves, -octaves].map(|by| Some(best.log_likelihood - along(problem, best, place, by)?.log_likelihood));
+        let told: Vec<f64> = falls.into_iter().flatten().collect();
+        told.iter().sum::<f64>() / told.len().max(1) as f64
+    };
+    let (mut larger, mut smaller) = ((0, fall(0)), FINEST);
+    while smaller - larger.0 > 1 {
+        let between = (smaller + larger.0) / 2;
+        let of_it = fall(between);
+        if of_it >= 0.5 {
+            larger = (between, of_it);
+        } else {
+            smaller = between;
+        }
+    }
+    let step = value * (f64::exp2(f64::exp2(f64::from(-larger.0))) - 1.0);
+    step * step / (2.0 * larger.1.max(0.5))
 }
 
 fn at(problem: &Problem, hypothesis: Hypothesis, noise: Vec<Noise>) -> Option<Refitted> {
