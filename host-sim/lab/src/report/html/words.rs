@@ -95,7 +95,7 @@ pub(crate) fn measure(value: f64) -> String {
 }
 
 /// A number without an interval: up to four digits, and no zeros behind the last.
-pub(super) fn short(value: f64) -> String {
+pub(crate) fn short(value: f64) -> String {
     let text = number(value, 0.0);
     if !text.contains('.') || text.contains('e') {
         return text;
