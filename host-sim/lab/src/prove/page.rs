@@ -17,10 +17,11 @@ const POINTS: usize = 60;
 /// What the drawing library says.
 pub fn page(results: &Results, made: &Provenance) -> Result<String, Error> {
     let (score, origin) = (&results.score, &results.origin);
-    let met = score.pass.iter().filter(|pass| pass.met).count();
-    let (kind, word) = if met == score.pass.len() { ("good", "passed") } else { ("", "not passed") };
+    let asked = score.pass.iter().filter(|pass| pass.measured.is_some());
+    let (met, asked) = (asked.clone().filter(|pass| pass.met).count(), asked.count());
+    let (kind, word) = if met == asked { ("good", "passed") } else { ("", "not passed") };
     let figures: String = text::figures(score).iter().map(|line| format!("<li>{}</li>", html::text(line))).collect();
-    let section = |id, heading, of: &Table| Section::new(id, heading, plain(heading, &of.0, &of.1));
+    let section = |id, heading, caption, of: &Table| Section::new(id, heading, plain(caption, &of.0, &of.1));
     let page = Page {
         title: "Proof on concealed effects".to_owned(),
         about: format!(
@@ -29,19 +30,32 @@ pub fn page(results: &Results, made: &Provenance) -> Result<String, Error> {
             origin.seeds[1],
             results.outcomes.len()
         ),
-        heading: badge(kind, word) + &format!("{met} of {} lines of the pass line met", score.pass.len()),
-        picture: html::picture(&reliability(results), "How often intervals hold the truth, scaled about their estimate.")?,
+        heading: badge(kind, word) + &format!("{met} of {asked} lines of the pass line that these cases ask are met"),
+        picture: html::picture(
+            &reliability(results),
+            "How often intervals hold the truth, scaled about their estimate.",
+        )?,
         sections: vec![
             Section::new("pass", "Pass line", pass(&text::pass(score))),
-            section("arms", "Arms", &text::arms(score)),
-            section("conclusions", "Conclusions", &text::verdicts(score)),
+            section("arms", "Arms", "Counts by arm of the plan", &text::arms(score)),
+            section("conclusions", "Conclusions", "How often each was drawn, by arm", &text::verdicts(score)),
             Section::new("power", "Power: how large an effect must be to be found", power(results)?),
-            section("intervals", "Reliability of the intervals", &text::coverage(score)),
-            section("experiment", "Before and after the proposed experiment", &text::experiment(score)),
-            section("rivals", "Rivals on the same files", &text::rivals(score)),
-            section("confusions", "Confusions", &text::confusion(score)),
+            section("intervals", "Reliability of the intervals", "By parameter", &text::coverage(score)),
+            section(
+                "experiment",
+                "Before and after the proposed experiment",
+                "Cases that are poorly excited",
+                &text::experiment(score),
+            ),
+            section("rivals", "Rivals on the same files", "What simpler methods answer", &text::rivals(score)),
+            section("confusions", "Confusions", "Of one concealed effect, or nothing", &text::confusion(score)),
             Section::new("figures", "Figures", format!("<ul>{figures}</ul>")),
-            section("misses", "Misses", &text::misses(score, &results.outcomes)),
+            section(
+                "misses",
+                "Misses",
+                "Each again with servo-lab prove --case SEED",
+                &text::misses(score, &results.outcomes),
+            ),
             tested(results),
         ],
         script: None,

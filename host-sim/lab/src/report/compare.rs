@@ -124,7 +124,14 @@ impl<'a> Comparison<'a> {
             let (name, unit) = self.channel_label(map.channel);
             let bin = map.bins.iter().max_by(|a, b| a.mean_torque.abs().total_cmp(&b.mean_torque.abs()))?;
             let half = TWO_SIDED_95 * bin.standard_error;
-            Some(Followed { name, unit, share: map.explained, largest: bin.mean_torque, half, range: [bin.low, bin.high] })
+            Some(Followed {
+                name,
+                unit,
+                share: map.explained,
+                largest: bin.mean_torque,
+                half,
+                range: [bin.low, bin.high],
+            })
         };
         let mut followed: Vec<Followed> = self.maps.iter().filter_map(one).collect();
         followed.sort_by(|a, b| b.share.total_cmp(&a.share));
@@ -291,7 +298,10 @@ impl<'a> Comparison<'a> {
         }
         for Followed { name, unit, share, largest, half, range: [low, high] } in self.followed() {
             let (percent, effort) = (100.0 * share, u.effort);
-            writeln!(f, "  {percent:>5.1} %  {name:<9} {largest:+.4} +- {half:.4} {effort} at {low:.4} to {high:.4} {unit}")?;
+            writeln!(
+                f,
+                "  {percent:>5.1} %  {name:<9} {largest:+.4} +- {half:.4} {effort} at {low:.4} to {high:.4} {unit}"
+            )?;
         }
         Ok(())
     }

@@ -38,7 +38,10 @@ pub fn others() -> &'static [Other] {
             use std::os::unix::fs::PermissionsExt as _;
             fs::write(folder.join("tool"), STAND_IN).unwrap();
             fs::set_permissions(folder.join("tool"), fs::Permissions::from_mode(0o755)).unwrap();
-            lines.push(("prove", "prove --arm single --count 60 --no-rivals --program tool --json prove.json --out proof"));
+            lines.push((
+                "prove",
+                "prove --arm single --count 60 --no-rivals --program tool --json prove.json --out proof",
+            ));
         }
         let make = |(name, line): (&'static str, &str)| {
             let printed = lab(folder, &format!("{line} --html {name}.html"));
@@ -177,10 +180,14 @@ fn the_paper_has_its_claims_and_all_its_figures() {
     let shown = cells(&page, "The claims in the order of the paper");
     assert!(shown.len() == table.len() && shown.len() > 10);
     for (row, line) in shown.iter().zip(table) {
-        assert!(line.contains(&format!("**{}**", row[2])) && line.contains(row[1].split('|').next().unwrap()), "{row:?}: {line}");
+        assert!(
+            line.contains(&format!("**{}**", row[2])) && line.contains(row[1].split('|').next().unwrap()),
+            "{row:?}: {line}"
+        );
         assert!(other.printed.contains(&row[2].to_uppercase()));
     }
-    let files = fs::read_dir(&folder).unwrap().filter(|entry| entry.as_ref().unwrap().path().extension().unwrap() == "svg");
+    let files =
+        fs::read_dir(&folder).unwrap().filter(|entry| entry.as_ref().unwrap().path().extension().unwrap() == "svg");
     // The one at the top is among them.
     assert_eq!(all(&page, ".drawing svg").len(), files.count() + 1);
     let (page, other) = self::page("beyond");
@@ -201,7 +208,8 @@ fn the_paper_has_its_claims_and_all_its_figures() {
 #[cfg_attr(debug_assertions, ignore = "minutes without optimisation; the tests in release run it")]
 fn the_proof_has_the_counts_of_the_json() {
     let ((page, _), results) = (page("prove"), json("prove.json"));
-    let (pass, shown) = (results["score"]["pass"].as_array().unwrap(), cells(&page, "What is asked, and what was found"));
+    let (pass, shown) =
+        (results["score"]["pass"].as_array().unwrap(), cells(&page, "What is asked, and what was found"));
     assert_eq!(shown.len(), pass.len());
     for (row, line) in shown.iter().zip(pass) {
         assert_eq!(row[0], line["what"].as_str().unwrap());
@@ -210,7 +218,7 @@ fn the_proof_has_the_counts_of_the_json() {
             None => assert_eq!(row[2], "not asked"),
         }
     }
-    let arms = cells(&page, "Arms");
+    let arms = cells(&page, "Counts by arm");
     let counted = results["score"]["arms"].as_array().unwrap();
     assert_eq!(arms.len(), counted.len());
     for (row, arm) in arms.iter().zip(counted) {

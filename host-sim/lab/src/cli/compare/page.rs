@@ -55,8 +55,11 @@ fn sentence(all: &[Beside<'_>]) -> String {
         if low == high { format!("{low}{unit}") } else { format!("{low} to {high}{unit}") }
     };
     let improved: Vec<f64> = all.iter().filter_map(|one| less(one, 0)).collect();
-    let improved =
-        if improved.is_empty() { String::new() } else { format!("; the improved one leaves {} less", range(&improved, " %")) };
+    let improved = if improved.is_empty() {
+        String::new()
+    } else {
+        format!("; the improved one leaves {} less", range(&improved, " %"))
+    };
     format!("The model leaves {} the noise of the sensor{improved}.", range(&times, " times"))
 }
 
@@ -93,7 +96,8 @@ fn left(all: &[Beside<'_>]) -> String {
         cells.extend(less(one, length).map(|less| format!("{less:.1} %")));
         cells
     };
-    let rows = all.iter().flat_map(|one| one.nominal.left().enumerate().map(move |(length, left)| row(one, length, left)));
+    let rows =
+        all.iter().flat_map(|one| one.nominal.left().enumerate().map(move |(length, left)| row(one, length, left)));
     let rows: Vec<_> = rows.collect();
     let units = all.first().map(|one| one.nominal.units());
     let (position, effort_name, effort) = units.map_or(("", "", ""), |u| (u.position, u.effort_name, u.effort));
@@ -110,19 +114,25 @@ fn left(all: &[Beside<'_>]) -> String {
 fn followed(one: &Beside<'_>) -> String {
     let u = one.nominal.units();
     let orders = one.nominal.orders().map(|orders| {
-        let names = orders.orders.iter().map(|order| format!("{} ({} N m)", order.per_rev, number(order.amplitude_nm, 0.0)));
+        let names =
+            orders.orders.iter().map(|order| format!("{} ({} N m)", order.per_rev, number(order.amplitude_nm, 0.0)));
         let names: Vec<String> = names.collect();
         let share = format!("{:.1} %", 100.0 * orders.explained);
         vec!["position within a revolution".to_owned(), share, format!("orders {}", names.join(", ")), String::new()]
     });
     let row = |Followed { name, unit, share, largest, half, range: [low, high] }| {
-        let [low, high] = [low, high].map(|value| number(value, high - low));
+        let range = match [low, high].map(|value| number(value, high - low)) {
+            // The direction is a number alone.
+            _ if low == high => short(low),
+            [low, high] => format!("{low} to {high} {unit}"),
+        };
         let mean = format!("{} \u{b1} {}", number(largest, half), number(half, half));
-        vec![name.to_owned(), format!("{:.1} %", 100.0 * share), mean, format!("{low} to {high} {unit}")]
+        vec![name.to_owned(), format!("{:.1} %", 100.0 * share), mean, range]
     };
     let rows: Vec<Vec<String>> = orders.into_iter().chain(one.nominal.followed().into_iter().map(row)).collect();
     let largest = format!("largest mean, 95 % ({})", u.effort);
-    let caption = format!("Share of the residual {} of {} that goes with each channel", u.effort_name, one.recording.name);
+    let caption =
+        format!("Share of the residual {} of {} that goes with each channel", u.effort_name, one.recording.name);
     let table = plain(&caption, &["channel", "share", &largest, "where that is"], &rows);
     let aside = match one.nominal.set_aside() {
         0 => String::new(),

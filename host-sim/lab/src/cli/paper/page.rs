@@ -89,14 +89,19 @@ fn figures(paper: &Reproduction) -> Result<String, Error> {
 /// A value the law or the plant does not take; what the drawing library says.
 pub(super) fn beyond(comparison: &Comparison, made: &Provenance) -> Result<String, Error> {
     let all = comparison.figure()?;
-    let last = all.panels.len().saturating_sub(2);
-    let first = crate::plot::Figure { title: "A push of 8 N m".to_owned(), panels: all.panels[last..].to_vec() };
+    // The last panel is the field that goes with it.
+    let push = all.panels.iter().rev().skip(1).take(1).cloned().collect();
+    let first = crate::plot::Figure { title: "A push of 8 N m".to_owned(), panels: push };
     let verdicts: String = comparison.verdicts().iter().map(|line| format!("<li>{}</li>", text(line))).collect();
     let page = Page {
         title: "Beyond the paper's law".to_owned(),
         about: "The control that the paper asks for, beside its own law".to_owned(),
-        heading: text(&format!("{} ways to use known delays, on {} lines each.", comparison.entries.len() - 1, LINES.len())),
-        picture: picture(&first, "Error and field under a push at rest, of the paper's law and of what was added to it.")?,
+        heading: text(&format!(
+            "{} ways to use known delays, on {} lines each.",
+            comparison.entries.len() - 1,
+            LINES.len()
+        )),
+        picture: picture(&first, "Error under a push at rest, of the paper's law and of what was added to it.")?,
         sections: vec![
             Section::new("verdicts", "Better and worse than the paper's law", format!("<ul>{verdicts}</ul>")),
             Section::new("table", "Line by line", lines(comparison)),

@@ -22,7 +22,8 @@ pub(super) fn page(analysis: &Analysis, regions: &Figure, made: &Provenance) -> 
         limit_cycles(analysis),
         Some(loop_of(analysis)),
     ];
-    let caption = "Where the linear loop is stable in the plane of both gains, for three delays of the fluid, and the gains.";
+    let caption =
+        "Where the linear loop is stable in the plane of both gains, for three delays of the fluid, and the gains.";
     let page = Page {
         title: format!("Stability: {word}"),
         about: format!("Stability of the linear loop, {}", name(analysis.plant.fluid)),
@@ -43,9 +44,12 @@ fn sentence(analysis: &Analysis) -> String {
     let Some(margins) = &analysis.margins else {
         return "The gains are outside the region: the loop grows by itself.".to_owned();
     };
-    let gain = margins.gain.map_or("any larger torque".to_owned(), |gain| format!("a torque {} times as large", figure(gain)));
-    let delay = margins.delay_s.map_or("any delay".to_owned(), |delay_s| format!("{} ms more of delay", figure(1e3 * delay_s)));
-    let phase = margins.phase_deg.map_or(String::new(), |deg| format!(", with a phase margin of {} degrees", figure(deg)));
+    let gain =
+        margins.gain.map_or("any larger torque".to_owned(), |gain| format!("a torque {} times as large", figure(gain)));
+    let delay =
+        margins.delay_s.map_or("any delay".to_owned(), |delay_s| format!("{} ms more of delay", figure(1e3 * delay_s)));
+    let phase =
+        margins.phase_deg.map_or(String::new(), |deg| format!(", with a phase margin of {} degrees", figure(deg)));
     format!("The gains are inside the region: the loop bears {gain} and {delay}{phase}.")
 }
 
@@ -53,7 +57,9 @@ fn margins(analysis: &Analysis) -> Section {
     let Some(margins) = &analysis.margins else {
         return Section::new("margins", "Margins", "<p>An unstable loop has none.</p>".to_owned());
     };
-    let Margins { gain, gain_db, gain_lower, phase_deg, phase_lead_deg, crossover_rad_s, delay_s, delay_factor, .. } = *margins;
+    let Margins {
+        gain, gain_db, gain_lower, phase_deg, phase_lead_deg, crossover_rad_s, delay_s, delay_factor, ..
+    } = *margins;
     let row = |what: &str, value: Option<f64>, unit: &str| {
         vec![what.to_owned(), value.map_or("none".to_owned(), figure), unit.to_owned()]
     };
@@ -82,8 +88,16 @@ fn tolerances(tolerances: &[Tolerance]) -> Option<Section> {
         cells.into_iter().chain([limit(tolerance.upper, "any more")]).flatten().collect()
     };
     let rows: Vec<Vec<String>> = tolerances.iter().map(row).collect();
-    let head =
-        ["quantity", "as it is", "down to, factor", "value", "swinging at (rad/s)", "up to, factor", "value", "swinging at (rad/s)"];
+    let head = [
+        "quantity",
+        "as it is",
+        "down to, factor",
+        "value",
+        "swinging at (rad/s)",
+        "up to, factor",
+        "value",
+        "swinging at (rad/s)",
+    ];
     let table = plain("Each alone, the others as they are, until a root reaches the imaginary axis", &head, &rows);
     (!rows.is_empty()).then(|| Section::new("tolerances", "How far each quantity may move alone", table))
 }
@@ -96,16 +110,28 @@ fn methods(methods: &Methods) -> Section {
     let sampled = methods.sampled_stable.map_or("no answer", |stable| if stable { "stable" } else { "unstable" });
     let radius = methods.sampled_spectral_radius.map_or_else(String::new, |radius| {
         // Its distance from 1 decides.
-        format!("spectral radius {}, of one period of {} ms", number(radius, (1.0 - radius).abs()), 1e3 * methods.sampled_period_s)
+        format!(
+            "spectral radius {}, of one period of {} ms",
+            number(radius, (1.0 - radius).abs()),
+            1e3 * methods.sampled_period_s
+        )
     });
     let rows = [
-        ["boundary curves", &methods.curves_unstable_roots.to_string(), "by what a path in the plane of the gains crosses"],
+        [
+            "boundary curves",
+            &methods.curves_unstable_roots.to_string(),
+            "by what a path in the plane of the gains crosses",
+        ],
         ["argument principle", &count(methods.argument_unstable_roots, "one on the axis"), ""],
         ["Chebyshev discretisation", &count(methods.spectrum_unstable_roots, "no answer"), &rightmost],
         ["sampled loop", sampled, &radius],
     ];
     let rows = rows.map(|row| row.map(str::to_owned).to_vec());
-    let table = plain("Unstable roots, and the sampled loop, by methods that share only the equation", &["method", "answer", ""], &rows);
+    let table = plain(
+        "Unstable roots, and the sampled loop, by methods that share only the equation",
+        &["method", "answer", ""],
+        &rows,
+    );
     let others = methods.unanswered.iter().map(|reason| format!("<p class=\"note\">No answer: {}</p>", text(reason)));
     let agree = if methods.agree {
         "<p>All that answered agree.</p>"

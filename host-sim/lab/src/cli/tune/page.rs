@@ -62,7 +62,10 @@ fn sentence(tuning: &Tuning) -> String {
 
 fn short_of_peak(task: &Task, tuning: &Tuning) -> Option<Section> {
     let alone = task.range(PEAK_NM_S_RAD).unstable_alone_nm_s_rad().map_or_else(String::new, |q1| {
-        format!(" A fluid this late makes the damper of the linear loop unstable by itself above Q1 {} N m s/rad.", number(q1, 0.0))
+        format!(
+            " A fluid this late makes the damper of the linear loop unstable by itself above Q1 {} N m s/rad.",
+            number(q1, 0.0)
+        )
     });
     let body = format!(
         "<p>No gains keep these margins up to the peak of (5), Q {PEAK_NM_S_RAD} N m s/rad.{alone} They are kept up to Q1 {} N m \
@@ -91,7 +94,11 @@ fn demands(task: &Task, tuning: &Tuning) -> Section {
         ("settled within", format!("{} mrad", number(1e3 * task.steps.tolerance_rad, 0.0))),
     ];
     let rows = rows.map(|(what, value)| vec![what.to_owned(), value]);
-    Section::new("demands", "What was demanded", plain("Margins, and what they are kept for", &["demand", "value"], &rows))
+    Section::new(
+        "demands",
+        "What was demanded",
+        plain("Margins, and what they are kept for", &["demand", "value"], &rows),
+    )
 }
 
 /// The tuned gains beside the paper's, line by line.
@@ -174,7 +181,10 @@ fn trade_off(tuning: &Tuning) -> Section {
 fn checks(tuning: &Tuning) -> Section {
     let (draws, unstable) = tuning.draws;
     let rows = [
-        ("loops drawn within the range that are unstable, by root counting", format!("{unstable} of {draws} (seed {SEED})")),
+        (
+            "loops drawn within the range that are unstable, by root counting",
+            format!("{unstable} of {draws} (seed {SEED})"),
+        ),
         ("limit cycles by harmonic balance, delays nominal and all off", tuning.limit_cycles.to_string()),
         ("the paper's gains stay stable up to", format!("\u{b1}{:.0} % of every delay", 100.0 * tuning.paper_bears)),
     ];

@@ -32,7 +32,8 @@ pub(crate) fn picture(of: &Figure, caption: &str) -> Result<String, Error> {
 /// What a picture shows, for who does not see it.
 fn description(figure: &Figure) -> String {
     let panel = |panel: &Panel| {
-        let names: Vec<&str> = panel.series.iter().map(|one| one.name.as_str()).filter(|name| !name.is_empty()).collect();
+        let names: Vec<&str> =
+            panel.series.iter().map(|one| one.name.as_str()).filter(|name| !name.is_empty()).collect();
         let of = if names.is_empty() { String::new() } else { format!(": {}", names.join(", ")) };
         format!("{} over {}{of}", panel.y_label, panel.x_label)
     };
