@@ -78,4 +78,6 @@ setTimeout(async () => {
   const one = ({ frame, name, width }) => look(frame, width)
     .catch(error => ({ errors: [String(error), error.stack] })).then(seen => ({ name, width, ...seen }));
   document.getElementById("seen").textContent = JSON.stringify(await Promise.all(frames.map(one)));
+  // What the browser prints is this page, without those it looked at.
+  document.querySelectorAll("iframe, script").forEach(element => element.remove());
 }, 10000);
