@@ -202,6 +202,11 @@ fn help_names_effects_and_what_is_near() {
     assert!(lab(folder.path(), &["completions", "bash"]).contains("servo-lab"));
     lab(folder.path(), &["man", "--out", "man"]);
     assert!(fs::read_to_string(folder.path().join("man/servo-lab-init.1")).unwrap().contains("machine file"));
+}
+
+#[test]
+fn every_command_has_an_example_with_flags_that_exist() {
+    let folder = tempfile::tempdir().unwrap();
     for command in [
         "init",
         "convert",

@@ -89,13 +89,10 @@ impl Found {
     }
 
     fn set(&mut self, set: &Dataset, name: String) -> Result<(), String> {
-        let class = set.attribute("MATLAB_class").ok().and_then(|class| class.read_string().ok());
-        match class.as_deref() {
-            None => {}
-            // An empty matrix holds its size.
-            Some(class) if NUMBERS.contains(&class) && set.attribute("MATLAB_empty").is_err() => {}
-            Some(class) if NUMBERS.contains(&class) || PASSED_OVER.contains(&class) => return Ok(()),
-            Some(_) => {
+        match matlab(set) {
+            Matlab::Numbers => {}
+            Matlab::Other => return Ok(()),
+            Matlab::Object => {
                 self.objects.push(name);
                 return Ok(());
             }
@@ -132,14 +129,37 @@ impl Found {
     }
 }
 
+/// What a data set is to MATLAB.
+enum Matlab {
+    /// Numbers, as all data sets of other programs.
+    Numbers,
+    /// A table, a timetable, a time series: what only MATLAB reads.
+    Object,
+    /// Text, cells, nothing.
+    Other,
+}
+
+fn matlab(set: &Dataset) -> Matlab {
+    let class = set.attribute("MATLAB_class").ok().and_then(|class| class.read_string().ok());
+    match class.as_deref() {
+        None => Matlab::Numbers,
+        // An empty matrix holds its size.
+        Some(class) if NUMBERS.contains(&class) && set.attribute("MATLAB_empty").is_err() => Matlab::Numbers,
+        Some(class) if NUMBERS.contains(&class) || PASSED_OVER.contains(&class) => Matlab::Other,
+        Some(_) => Matlab::Object,
+    }
+}
+
 /// A number within each element of a data set.
 struct Column {
     name: String,
     /// Its place in the element, bytes.
     offset: usize,
-    /// The number that begins some bytes in the order of this machine; none where they are too few.
-    number: fn(&[u8]) -> Option<f64>,
+    number: Number,
 }
+
+/// The number that begins some bytes in the order of this machine; none where they are too few.
+type Number = fn(&[u8]) -> Option<f64>;
 
 /// The numbers of each element: itself, or those of its fields that are numbers; none of text, references and others.
 fn columns(kind: &Datatype, name: String) -> Vec<Column> {
@@ -158,7 +178,7 @@ fn columns(kind: &Datatype, name: String) -> Vec<Column> {
 }
 
 /// How a number of this kind is read; none for what is no number.
-fn number(kind: &Datatype) -> Option<fn(&[u8]) -> Option<f64>> {
+fn number(kind: &Datatype) -> Option<Number> {
     macro_rules! read {
         ($number:ty) => {
             |bytes: &[u8]| Some(<$number>::from_ne_bytes(*bytes.first_chunk()?) as f64)

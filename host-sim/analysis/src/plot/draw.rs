@@ -134,13 +134,7 @@ fn draw_panel(
 ) -> Result<(), Box<dyn std::error::Error>> {
     let points = panel.series.iter().flat_map(|series| &series.points);
     let y = range(points.filter(|point| is_shown(point)).map(|point| point.1), 0.06);
-    // Above the axes, where it hides no data.
-    let mut area = area.clone();
-    for row in legend(panel) {
-        let (top, below) = area.split_vertically(LEGEND_HEIGHT);
-        draw_legend(&top, &row)?;
-        area = below;
-    }
+    let area = draw_legend(area, panel)?;
     let mut chart = ChartBuilder::on(&area)
         .margin_left(MARGIN)
         .margin_right(2 * MARGIN)
@@ -228,8 +222,19 @@ fn legend(panel: &Panel) -> Vec<Vec<(&Series, RGBColor, i32)>> {
     rows
 }
 
-/// Names the series from left to right, each after a sample of its line or dot.
-fn draw_legend(area: &Area<'_>, row: &[(&Series, RGBColor, i32)]) -> Result<(), Box<dyn std::error::Error>> {
+/// Names the series above the axes, where it hides no data; gives the area that is left.
+fn draw_legend<'a>(area: &Area<'a>, panel: &Panel) -> Result<Area<'a>, Box<dyn std::error::Error>> {
+    let mut area = area.clone();
+    for row in legend(panel) {
+        let (top, below) = area.split_vertically(LEGEND_HEIGHT);
+        draw_names(&top, &row)?;
+        area = below;
+    }
+    Ok(area)
+}
+
+/// Names series from left to right, each after a sample of its line or dot.
+fn draw_names(area: &Area<'_>, row: &[(&Series, RGBColor, i32)]) -> Result<(), Box<dyn std::error::Error>> {
     let middle = LEGEND_HEIGHT as i32 / 2;
     let font = ("sans-serif", TEXT_SIZE).into_font().color(&FRAME).pos(Pos::new(HPos::Left, VPos::Center));
     for &(series, colour, left) in row {

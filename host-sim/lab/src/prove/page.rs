@@ -20,8 +20,6 @@ pub fn page(results: &Results, made: &Provenance) -> Result<String, Error> {
     let asked = score.pass.iter().filter(|pass| pass.measured.is_some());
     let (met, asked) = (asked.clone().filter(|pass| pass.met).count(), asked.count());
     let (kind, word) = if met == asked { ("good", "passed") } else { ("", "not passed") };
-    let figures: String = text::figures(score).iter().map(|line| format!("<li>{}</li>", html::text(line))).collect();
-    let section = |id, heading, caption, of: &Table| Section::new(id, heading, plain(caption, &of.0, &of.1));
     let page = Page {
         title: "Proof on concealed effects".to_owned(),
         about: format!(
@@ -35,32 +33,40 @@ pub fn page(results: &Results, made: &Provenance) -> Result<String, Error> {
             &reliability(results),
             "How often intervals hold the truth, scaled about their estimate.",
         )?,
-        sections: vec![
-            Section::new("pass", "Pass line", pass(&text::pass(score))),
-            section("arms", "Arms", "Counts by arm of the plan", &text::arms(score)),
-            section("conclusions", "Conclusions", "How often each was drawn, by arm", &text::verdicts(score)),
-            Section::new("power", "Power: how large an effect must be to be found", power(results)?),
-            section("intervals", "Reliability of the intervals", "By parameter", &text::coverage(score)),
-            section(
-                "experiment",
-                "Before and after the proposed experiment",
-                "Cases that are poorly excited",
-                &text::experiment(score),
-            ),
-            section("rivals", "Rivals on the same files", "What simpler methods answer", &text::rivals(score)),
-            section("confusions", "Confusions", "Of one concealed effect, or nothing", &text::confusion(score)),
-            Section::new("figures", "Figures", format!("<ul>{figures}</ul>")),
-            section(
-                "misses",
-                "Misses",
-                "Each again with servo-lab prove --case SEED",
-                &text::misses(score, &results.outcomes),
-            ),
-            tested(results),
-        ],
+        sections: sections(results)?,
         script: None,
     };
     Ok(page.html(made))
+}
+
+/// The sections in their order.
+fn sections(results: &Results) -> Result<Vec<Section>, Error> {
+    let score = &results.score;
+    let figures: String = text::figures(score).iter().map(|line| format!("<li>{}</li>", html::text(line))).collect();
+    let section = |id, heading, caption, of: &Table| Section::new(id, heading, plain(caption, &of.0, &of.1));
+    Ok(vec![
+        Section::new("pass", "Pass line", pass(&text::pass(score))),
+        section("arms", "Arms", "Counts by arm of the plan", &text::arms(score)),
+        section("conclusions", "Conclusions", "How often each was drawn, by arm", &text::verdicts(score)),
+        Section::new("power", "Power: how large an effect must be to be found", power(results)?),
+        section("intervals", "Reliability of the intervals", "By parameter", &text::coverage(score)),
+        section(
+            "experiment",
+            "Before and after the proposed experiment",
+            "Cases that are poorly excited",
+            &text::experiment(score),
+        ),
+        section("rivals", "Rivals on the same files", "What simpler methods answer", &text::rivals(score)),
+        section("confusions", "Confusions", "Of one concealed effect, or nothing", &text::confusion(score)),
+        Section::new("figures", "Figures", format!("<ul>{figures}</ul>")),
+        section(
+            "misses",
+            "Misses",
+            "Each again with servo-lab prove --case SEED",
+            &text::misses(score, &results.outcomes),
+        ),
+        tested(results),
+    ])
 }
 
 /// The page of one table, for proofs that have no score; `without` says why some have no answer.
@@ -137,4 +143,28 @@ fn reliability(results: &Results) -> Figure {
     let right = Series::new("as it should be", Mark::Line, [(0.5, 0.5), (1.0, 1.0)]);
     let panel = Panel::new("nominal coverage (1)", "intervals that hold the truth (1)", vec![found, right]);
     Figure { title: "Coverage of intervals scaled about their estimate".to_owned(), panels: vec![panel] }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_proof_of_one_table_is_a_page_of_it() {
+        let of: Table = (vec!["case", "answer"], vec![vec!["a<b".to_owned(), "named".to_owned()]]);
+        let without = ["set c: no machine file".to_owned()];
+        let page = of_table(
+            "Answers that must follow",
+            &of,
+            "turned: 1 of 1 follow\n",
+            &without,
+            &Provenance::without_inputs(None),
+        );
+        for part in
+            ["1 cases, 1 without an answer", "a&lt;b", "turned: 1 of 1 follow", "no machine file", "git checkout"]
+        {
+            assert!(page.contains(part), "{part}");
+        }
+        assert!(!page.contains("<script"));
+    }
 }
