@@ -7,10 +7,23 @@ use std::path::Path;
 use libfuzzer_sys::fuzz_target;
 use recording::{Given, Mapping, Recording, Table, guess};
 
-/// What a file of each format begins and ends with: MCAP, MATLAB, ULog with its flags, JSON of SysId.
+/// A whole file of HDF5, for what random bytes never are.
+const HDF5: &[u8] = include_bytes!("../../recording/tests/data/classic.h5");
+
+/// The file with bytes bent: of each three the first two are a place, the third what stands there.
+fn bent(file: &[u8], bends: &[u8]) -> Vec<u8> {
+    let mut file = file.to_vec();
+    for bend in bends.chunks_exact(3) {
+        let place = usize::from(u16::from_le_bytes([bend[0], bend[1]])) % file.len();
+        file[place] = bend[2];
+    }
+    file
+}
+
+/// What a file of each format begins and ends with: MCAP, MATLAB, ULog with its flags, JSON of SysId; of HDF5 a bent one.
 fn dressed(kind: u8, bytes: &[u8]) -> Vec<u8> {
     const MCAP: &[u8] = b"\x89MCAP0\r\n";
-    match kind % 5 {
+    match kind % 6 {
         0 => [MCAP, bytes, MCAP].concat(),
         1 => {
             let mut header = b"MATLAB 5.0 MAT-file".to_vec();
@@ -19,6 +32,7 @@ fn dressed(kind: u8, bytes: &[u8]) -> Vec<u8> {
         }
         2 => [b"ULog\x01\x12\x35\x01\0\0\0\0\0\0\0\0\x28\0B", &[0; 40][..], bytes].concat(),
         3 => [b"{\"sysid\":true,", bytes, b"}"].concat(),
+        4 => bent(HDF5, bytes),
         _ => bytes.to_vec(),
     }
 }

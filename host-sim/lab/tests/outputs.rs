@@ -73,6 +73,11 @@ fn no_command_writes_onto_what_it_reads() {
         ("decode --elf image.elf rtt.bin --out image.elf", "image.elf"),
         ("stability --machine m.toml --json m.toml --force", "m.toml"),
         ("stability --machine m.toml --plot hard.toml", "m.toml"),
+        ("stability --machine m.toml --html m.toml --force", "m.toml"),
+        ("compare --machine m.toml run.csv --html link.csv --force", "run.csv"),
+        ("tune --machine m.toml --html hard.toml --force", "m.toml"),
+        ("paper --measured run.csv --html run.csv", "run.csv"),
+        ("prove --case 0 --program image.elf --html image.elf", "image.elf"),
         ("prove --case 0 --program image.elf --json image.elf", "image.elf"),
         ("simulate --reference reference.csv --plot ./reference.csv", "reference.csv"),
         ("convert run.csv --out link.csv --force", "run.csv"),
@@ -105,6 +110,8 @@ fn a_file_of_another_hand_is_replaced_only_by_force() {
         ("compare --machine m.toml run.csv --plots pictures/new", "pictures/new/compare-run.svg"),
         ("stability --machine m.toml --json notes.json", "notes.json"),
         ("stability --machine m.toml --plot notes.svg", "notes.svg"),
+        ("stability --machine m.toml --html notes.html", "notes.html"),
+        ("compare --machine m.toml run.csv --plots pictures --html compared.html", "compared.html"),
     ] {
         let file = folder.path().join(own);
         fs::create_dir_all(file.parent().unwrap()).unwrap();
@@ -139,6 +146,10 @@ fn what_cannot_be_written_is_known_first_by_the_users_name() {
         "record --elf image.elf rtt.bin --out notes.txt/run.csv",
         "simulate --out notes.txt/run.csv",
         "stability --plot notes.txt/region.svg",
+        "stability --html notes.txt/page.html",
+        "compare --machine m.toml run.csv --html notes.txt/page.html",
+        "tune --html notes.txt/page.html",
+        "paper --html notes.txt/page.html",
     ] {
         refused(folder.path(), line, "notes.txt is no folder");
     }
@@ -164,6 +175,9 @@ fn every_other_command_asks_too_before_it_replaces_a_file() {
         ("record --elf image.elf rtt.bin --out mine.csv", "mine.csv"),
         ("diagnose --machine m.toml run.csv --write-model mine.toml", "mine.toml"),
         ("prove --case 0 --json mine.json", "mine.json"),
+        ("prove --case 0 --html mine.html", "mine.html"),
+        ("paper --beyond --html mine.html", "mine.html"),
+        ("tune --html mine.html", "mine.html"),
         ("prove --case 0 --out proof", "proof/about.md"),
         ("prove --case 0 --write-only proof", "proof/about.md"),
     ] {

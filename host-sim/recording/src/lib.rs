@@ -11,6 +11,7 @@ pub mod decode;
 mod error;
 mod gaps;
 mod guess;
+mod hdf5_file;
 mod in_memory;
 mod joints;
 mod log_file;
@@ -37,6 +38,7 @@ mod topics;
 mod ulog_file;
 mod units;
 mod values;
+mod vectors;
 pub mod vocabulary;
 mod wrap;
 

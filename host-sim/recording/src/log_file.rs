@@ -10,13 +10,12 @@ use bytes::Bytes;
 use super::columns::{Header, Wanted};
 use super::topics::{self, Topic};
 use super::values::Values;
-use super::{csv_file, mat_file, mcap_file, parquet_file, sysid_file, ulog_file};
+use super::{csv_file, hdf5_file, mat_file, mcap_file, parquet_file, sysid_file, ulog_file};
 use crate::Error;
 
 /// Formats that are read, for messages and help.
 pub const READABLE: &str = "CSV (separated by commas, `;` or tabs, decimal point or comma), Parquet, MCAP (JSON, joint states \
-                            of ROS 2 and Foxglove), MATLAB .mat up to version 7, PX4 ULog, and JSON of WPILib's SysId, each \
-                            also as .gz";
+                            of ROS 2 and Foxglove), MATLAB .mat, HDF5, PX4 ULog, and JSON of WPILib's SysId, each also as .gz";
 
 /// A log that unpacks to more is taken for a corrupt one, bytes.
 const MOST_UNPACKED: u64 = 1 << 32;
@@ -65,6 +64,7 @@ fn read_input(file: &Path, input: Input, wanted: Wanted<'_>) -> Result<Log, Erro
             let bytes = input.bytes().map_err(failed)?;
             let topics = match of_topics {
                 Format::Mat => mat_file::read(file, &bytes),
+                Format::Hdf5 => hdf5_file::read(file, &bytes),
                 Format::Ulog => ulog_file::read(file, &bytes),
                 Format::SysId => sysid_file::read(file, &bytes),
                 Format::Mcap | Format::Csv | Format::Parquet => mcap_file::read(file, &bytes),
@@ -81,6 +81,7 @@ enum Format {
     Parquet,
     Mcap,
     Mat,
+    Hdf5,
     Ulog,
     SysId,
 }
@@ -160,6 +161,9 @@ const READ: &[(&[u8], Format)] = &[
     (b"PAR1", Format::Parquet),
     (b"\x89MCAP0", Format::Mcap),
     (b"MATLAB 5.0 MAT", Format::Mat),
+    // HDF5 behind a header of MATLAB.
+    (b"MATLAB 7.3 MAT", Format::Hdf5),
+    (b"\x89HDF\r\n", Format::Hdf5),
     (b"ULog\x01\x12\x35", Format::Ulog),
 ];
 
@@ -167,14 +171,6 @@ const READ: &[(&[u8], Format)] = &[
 const NOT_READ: &[(&[u8], &str)] = &[
     (b"\xff\xfe", "is UTF-16 text; save it as UTF-8"),
     (b"\xfe\xff", "is UTF-16 text; save it as UTF-8"),
-    (
-        b"MATLAB 7.3 MAT",
-        "is a .mat file of version 7.3; in MATLAB: S = load('log.mat'); save('log_v7.mat', '-struct', 'S', '-v7')",
-    ),
-    (
-        b"\x89HDF\r\n",
-        "is an HDF5 file; export its columns as CSV, in Python: pandas.read_hdf('log.h5').to_csv('log.csv')",
-    ),
     (b"#ROSBAG", "is a bag of ROS 1; convert it with: mcap convert log.bag log.mcap"),
     (b"SQLite format 3", "is a bag of ROS 2 as SQLite; convert it with: mcap convert log.db3 log.mcap"),
     (b"WPILOG", "is a WPILOG of WPILib; export it as CSV with AdvantageScope or the DataLogTool"),

@@ -7,12 +7,11 @@ mod element;
 
 use std::path::Path;
 
-use super::topics::{Series, Topic};
+use super::topics::Topic;
+use super::vectors;
 use crate::Error;
 use element::{Array, Content};
 
-/// The shorter side of a matrix that is a table; a longer one is a picture or a map.
-const MOST_COLUMNS: usize = 64;
 /// Elements of an array of structures that are looked into.
 const MOST_STRUCTURES: usize = 64;
 
@@ -21,63 +20,31 @@ pub(crate) fn read(file: &Path, bytes: &[u8]) -> Result<Vec<Topic>, Error> {
     let failed = |message: String| Error::input(file, None, "", message);
     let variables = element::variables(bytes).map_err(failed)?;
     let mut objects = Vec::new();
-    let mut vectors = Vec::new();
+    let mut found = Vec::new();
     for (name, array) in variables {
-        collect(name, array, &mut vectors, &mut objects);
+        collect(name, array, &mut found, &mut objects);
     }
-    let mut topics: Vec<Topic> = Vec::new();
-    for (name, values) in vectors {
-        let column = (name, Series::Numbers(values));
-        match topics.iter_mut().find(|topic| topic.rows() == column.1.len()) {
-            Some(topic) => topic.columns.push(column),
-            None => topics.push(Topic { logged_ns: Vec::new(), columns: vec![column] }),
-        }
-    }
+    let topics = vectors::topics(found);
     if topics.is_empty() {
-        let objects = match objects.as_slice() {
-            [] => String::new(),
-            names => format!(
-                "; {} is an object (table, timetable, timeseries), which only MATLAB reads: save its values, for a timetable T as \
-                 s = table2struct(timetable2table(T), 'ToScalar', true); save('log.mat', '-struct', 's', '-v7')",
-                names.join(", ")
-            ),
-        };
+        let objects = vectors::only_in_matlab(&objects);
         return Err(failed(format!("it holds no vectors of numbers{objects}")));
     }
     Ok(topics)
 }
 
-fn collect(name: String, array: Array, vectors: &mut Vec<(String, Vec<f64>)>, objects: &mut Vec<String>) {
+fn collect(name: String, array: Array, found: &mut Vec<(String, Vec<f64>)>, objects: &mut Vec<String>) {
     match array.content {
-        Content::Numbers(values) => vectors.extend(series(name, &array.dimensions, values)),
+        Content::Numbers(values) => found.extend(vectors::series(name, &array.dimensions, values)),
         Content::Structures(structures) => {
             let alone = structures.len() == 1;
             for (index, fields) in structures.into_iter().take(MOST_STRUCTURES).enumerate() {
                 let before = if alone { name.clone() } else { format!("{name}[{}]", index + 1) };
                 for (field, array) in fields {
-                    collect(format!("{before}.{field}"), array, vectors, objects);
+                    collect(format!("{before}.{field}"), array, found, objects);
                 }
             }
         }
         Content::Object => objects.push(name),
         Content::Other => {}
-    }
-}
-
-/// A vector as it is; of a matrix the columns, or the rows where these are fewer.
-fn series(name: String, dimensions: &[usize], values: Vec<f64>) -> Vec<(String, Vec<f64>)> {
-    let &[rows, columns] = dimensions else { return Vec::new() };
-    if values.len() < 2 || rows.checked_mul(columns) != Some(values.len()) || rows.min(columns) > MOST_COLUMNS {
-        return Vec::new();
-    }
-    if rows == 1 || columns == 1 {
-        return vec![(name, values)];
-    }
-    // Column by column in memory.
-    let numbered = |index: usize, values: Vec<f64>| (format!("{name}[{}]", index + 1), values);
-    if columns <= rows {
-        values.chunks(rows).enumerate().map(|(index, column)| numbered(index, column.to_vec())).collect()
-    } else {
-        (0..rows).map(|row| numbered(row, values.iter().skip(row).step_by(rows).copied().collect())).collect()
     }
 }

@@ -30,6 +30,21 @@ impl Comparison {
         (lost, won)
     }
 
+    /// Each mode against the paper's law, in words.
+    #[must_use]
+    pub fn verdicts(&self) -> Vec<String> {
+        let one = |entry: &super::Entry| {
+            let (lost, won) = self.against_paper(entry.nominal, entry.worst);
+            let verdict = match lost[..] {
+                [] if won > 0 => format!("no worse on any line and better on {won}"),
+                [] => "the same".to_owned(),
+                _ => format!("better on {won} lines, worse on: {}", lost.join(", ")),
+            };
+            format!("{}: {verdict}", entry.mode.name)
+        };
+        self.entries.iter().skip(1).map(one).collect()
+    }
+
     /// The table, one column a mode, as Markdown: nominal / worst in each cell.
     #[must_use]
     pub fn markdown(&self) -> String {
@@ -49,15 +64,7 @@ impl Comparison {
             let _ = writeln!(text, "| {name} | {} |", cells.join(" | "));
         }
         text.push('\n');
-        for entry in self.entries.iter().skip(1) {
-            let (lost, won) = self.against_paper(entry.nominal, entry.worst);
-            let verdict = match lost[..] {
-                [] if won > 0 => format!("no worse on any line and better on {won}"),
-                [] => "the same".to_owned(),
-                _ => format!("better on {won} lines, worse on: {}", lost.join(", ")),
-            };
-            let _ = writeln!(text, "- {}: {verdict}", entry.mode.name);
-        }
+        text += &self.verdicts().iter().map(|line| format!("- {line}\n")).collect::<String>();
         text
     }
 

@@ -134,9 +134,7 @@ fn draw_panel(
 ) -> Result<(), Box<dyn std::error::Error>> {
     let points = panel.series.iter().flat_map(|series| &series.points);
     let y = range(points.filter(|point| is_shown(point)).map(|point| point.1), 0.06);
-    // Above the axes, where it hides no data.
-    let (top, area) = area.split_vertically(LEGEND_HEIGHT);
-    draw_legend(&top, panel)?;
+    let area = draw_legend(area, panel)?;
     let mut chart = ChartBuilder::on(&area)
         .margin_left(MARGIN)
         .margin_right(2 * MARGIN)
@@ -201,20 +199,49 @@ fn draw_series(
     Ok(())
 }
 
-/// Names the series from left to right, each after a sample of its line or dot.
-fn draw_legend(area: &Area<'_>, panel: &Panel) -> Result<(), Box<dyn std::error::Error>> {
-    let unit = UNITS_PER_PIXEL as i32;
-    let (sample, space, middle) = (28 * unit, 6 * unit, LEGEND_HEIGHT as i32 / 2);
-    let mut left = (MARGIN + Y_AXIS_WIDTH) as i32 + space;
-    let font = ("sans-serif", TEXT_SIZE).into_font().color(&FRAME).pos(Pos::new(HPos::Left, VPos::Center));
-    for (series, colour) in inked(panel) {
-        if series.name.is_empty() {
-            continue;
+/// Length of the sample of a line in the legend, and the space between it and its name.
+const SAMPLE: i32 = 28 * UNITS_PER_PIXEL as i32;
+const SPACE: i32 = 6 * UNITS_PER_PIXEL as i32;
+/// Where a row of the legend begins and ends.
+const LEGEND_LEFT: i32 = (MARGIN + Y_AXIS_WIDTH) as i32 + SPACE;
+const LEGEND_RIGHT: i32 = (WIDTH - MARGIN) as i32;
+
+/// The rows of a legend, as many as its names need, each name with its place from the left.
+fn legend(panel: &Panel) -> Vec<Vec<(&Series, RGBColor, i32)>> {
+    let (mut rows, mut left) = (vec![Vec::new()], LEGEND_LEFT);
+    for (series, colour) in inked(panel).filter(|(series, _)| !series.name.is_empty()) {
+        // The width of text is the viewer's affair; sans-serif letters are rarely wider than this on average.
+        let width = SAMPLE + SPACE + series.name.chars().count() as i32 * TEXT_SIZE as i32 * 12 / 20;
+        if left + width > LEGEND_RIGHT && left > LEGEND_LEFT {
+            rows.push(Vec::new());
+            left = LEGEND_LEFT;
         }
+        rows.last_mut().into_iter().for_each(|row| row.push((series, colour, left)));
+        left += width + 3 * SPACE;
+    }
+    rows
+}
+
+/// Names the series above the axes, where it hides no data; gives the area that is left.
+fn draw_legend<'a>(area: &Area<'a>, panel: &Panel) -> Result<Area<'a>, Box<dyn std::error::Error>> {
+    let mut area = area.clone();
+    for row in legend(panel) {
+        let (top, below) = area.split_vertically(LEGEND_HEIGHT);
+        draw_names(&top, &row)?;
+        area = below;
+    }
+    Ok(area)
+}
+
+/// Names series from left to right, each after a sample of its line or dot.
+fn draw_names(area: &Area<'_>, row: &[(&Series, RGBColor, i32)]) -> Result<(), Box<dyn std::error::Error>> {
+    let middle = LEGEND_HEIGHT as i32 / 2;
+    let font = ("sans-serif", TEXT_SIZE).into_font().color(&FRAME).pos(Pos::new(HPos::Left, VPos::Center));
+    for &(series, colour, left) in row {
         if series.mark == Mark::Points {
-            area.draw(&Circle::new((left + sample / 2, middle), DOT_RADIUS, dot(colour)))?;
+            area.draw(&Circle::new((left + SAMPLE / 2, middle), DOT_RADIUS, dot(colour)))?;
         } else if series.mark == Mark::Bars {
-            let (at, half, end) = (left + sample / 2, LEGEND_HEIGHT as i32 / 3, BAR_END as i32);
+            let (at, half, end) = (left + SAMPLE / 2, LEGEND_HEIGHT as i32 / 3, BAR_END as i32);
             for bar in [
                 vec![(at, middle - half), (at, middle + half)],
                 vec![(at - end, middle - half), (at + end, middle - half)],
@@ -223,16 +250,13 @@ fn draw_legend(area: &Area<'_>, panel: &Panel) -> Result<(), Box<dyn std::error:
                 area.draw(&PathElement::new(bar, stroke(colour)))?;
             }
         } else {
-            let (from, to) = (f64::from(left), f64::from(left + sample));
+            let (from, to) = (f64::from(left), f64::from(left + SAMPLE));
             for piece in broken(&[(from, 0.0), (to, 0.0)], series.stroke, (1.0, 1.0)) {
                 let piece: Vec<_> = piece.iter().map(|(along, _)| (*along as i32, middle)).collect();
                 area.draw(&PathElement::new(piece, stroke(colour)))?;
             }
         }
-        area.draw(&Text::new(series.name.as_str(), (left + sample + space, middle), font.clone()))?;
-        // The width of text is the viewer's affair; sans-serif letters are rarely wider than this on average.
-        let text = series.name.chars().count() as i32 * TEXT_SIZE as i32 * 11 / 20;
-        left += sample + text + 4 * space;
+        area.draw(&Text::new(series.name.as_str(), (left + SAMPLE + SPACE, middle), font.clone()))?;
     }
     Ok(())
 }
@@ -249,4 +273,21 @@ fn dot(colour: RGBColor) -> ShapeStyle {
 fn held(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
     let corners = points.windows(2).flat_map(|pair| [pair[0], (pair[1].0, pair[0].1)]);
     corners.chain(points.last().copied()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_legend_of_many_names_goes_on_in_another_row() {
+        let series = |name: &str| Series::new(name, Mark::Line, [(0.0, 0.0)]);
+        let few = Panel::new("x", "y", ["nominal", "", "improved"].map(series).to_vec());
+        assert_eq!(legend(&few).iter().map(Vec::len).collect::<Vec<_>>(), [2]);
+        let many = Panel::new("x", "y", ["a name of thirty characters long"; 5].map(series).to_vec());
+        let rows = legend(&many);
+        // Some 280 pixels each, of 800.
+        assert_eq!(rows.iter().map(Vec::len).collect::<Vec<_>>(), [2, 2, 1]);
+        assert!(rows.iter().all(|row| row[0].2 == LEGEND_LEFT));
+    }
 }

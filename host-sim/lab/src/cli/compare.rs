@@ -1,12 +1,14 @@
 //! `servo-lab compare`.
 
+mod page;
+
 use std::fmt::{Display, Formatter};
 use std::path::{Path, PathBuf};
 
 use diagnosis::physics::Physics;
 
 use super::Overwrite;
-use crate::output::Output;
+use crate::output::{Output, Provenance, formats};
 use crate::plot::Figure;
 use crate::precheck::{self, Purpose};
 use crate::read::{Machine, Recording};
@@ -28,6 +30,9 @@ pub struct Args {
     /// Folder for the pictures, one SVG a recording.
     #[arg(long, value_name = "DIR", default_value = ".")]
     plots: PathBuf,
+    /// Writes figures and pictures as one page that opens in a browser.
+    #[arg(long, value_name = "FILE")]
+    html: Option<PathBuf>,
     #[command(flatten)]
     overwrite: Overwrite,
 }
@@ -45,6 +50,7 @@ pub fn run(args: &Args) -> Result<(), Error> {
         args.plots.join(format!("compare-{}.svg", recording.file_stem().unwrap_or_default().to_string_lossy()))
     };
     let pictures: Vec<Output> = args.recordings.iter().map(|recording| files.writes(&picture(recording))).collect();
+    let html = args.html.as_ref().map(|file| files.writes(file));
     let mut outputs = files.check()?;
     let machine = Machine::read(&args.machine)?;
     let recordings: Vec<Recording> =
@@ -55,6 +61,10 @@ pub fn run(args: &Args) -> Result<(), Error> {
     for (beside, picture) in compared.beside.iter().zip(pictures) {
         output::figure(&mut outputs, picture, &beside.figure())?;
         text += &format!("{beside}wrote {}\n", outputs.file(picture).display());
+    }
+    if let Some(html) = html {
+        let page = page::page(&machine.name, &compared, &Provenance::of(&outputs, None)?)?;
+        output::text(&mut outputs, html, &formats::markup(&page))?;
     }
     outputs.finish()?;
     output::print(&text)

@@ -22,7 +22,7 @@ Example:
 pub(super) const COMPARE: &str = "\
 Example:
   servo-lab compare --machine machine.toml --plots out run1.csv run2.csv
-  servo-lab compare --machine machine.toml --improved improved.toml --plots out run1.csv";
+  servo-lab compare --machine machine.toml --improved improved.toml --plots out --html compared.html run1.csv";
 pub(super) const DELAYS: &str = "\
 Example:
   servo-lab delays --machine machine.toml --plot delays.svg step30.csv step20.csv step10.csv --holdout step25.csv";
@@ -52,16 +52,16 @@ Example:
   servo-lab commission --port /dev/ttyUSB0 --travel-deg 45 --max-torque-nm 15 --out out/drive --save";
 pub(super) const PROVE: &str = "\
 Example:
-  servo-lab prove --quick --out out/prove";
+  servo-lab prove --quick --out out/prove --html proof.html";
 pub(super) const STABILITY: &str = "\
 Example:
-  servo-lab stability --delay-ms 5 --out out/stability";
+  servo-lab stability --delay-ms 5 --html stability.html";
 pub(super) const PAPER: &str = "\
 Example:
-  servo-lab paper --out out/paper";
+  servo-lab paper --out out/paper --html paper.html";
 pub(super) const TUNE: &str = "\
 Example:
-  servo-lab tune --machine machine.toml --phase-margin-deg 40 --out out/tune";
+  servo-lab tune --machine machine.toml --phase-margin-deg 40 --out out/tune --html tune.html";
 pub(super) const DEMO: &str = "\
 Example:
   servo-lab demo";

@@ -1,10 +1,12 @@
 //! `servo-lab paper`: the paper's figures, what became of its claims, and the control beyond it.
 
+mod page;
+
 use std::path::PathBuf;
 
 use super::Overwrite;
 use crate::beyond::compare;
-use crate::output::{Files, Output, formats};
+use crate::output::{Files, Output, Provenance, formats};
 use crate::paper::{figures, reproduce, table};
 use crate::read::{AxisKind, Recording};
 use crate::{Error, output};
@@ -15,6 +17,9 @@ pub struct Args {
     /// Folder for the figures and the table; made if it is not there.
     #[arg(long, value_name = "DIR", default_value = "out/paper")]
     out: PathBuf,
+    /// Writes table and figures as one page that opens in a browser.
+    #[arg(long, value_name = "FILE")]
+    html: Option<PathBuf>,
     #[command(flatten)]
     overwrite: Overwrite,
     /// Recording of a step of 30 degrees from 0, drawn dashed into Figs. 12 to 18.
@@ -38,6 +43,7 @@ pub fn run(args: &Args) -> Result<(), Error> {
     let picture = |name: &'static str| (name, files.writes(&args.out.join(name)));
     let pictures: Vec<(&str, Output)> = figures::FILES.into_iter().map(picture).collect();
     let claims = files.writes(&args.out.join("claims.md"));
+    let html = args.html.as_ref().map(|file| files.writes(file));
     let mut outputs = files.check()?;
     let read = |file: &PathBuf| Recording::read(file, Some(AxisKind::Rotary));
     let measured = args.measured.as_ref().map(read).transpose()?;
@@ -47,6 +53,10 @@ pub fn run(args: &Args) -> Result<(), Error> {
         named.map_or(Ok(()), |named| output::figure(&mut outputs, picture, &named.figure))?;
     }
     output::text(&mut outputs, claims, &formats::markdown(&table::markdown(&paper)))?;
+    if let Some(html) = html {
+        let page = page::page(&paper, &Provenance::of(&outputs, None)?)?;
+        output::text(&mut outputs, html, &formats::markup(&page))?;
+    }
     outputs.finish()?;
     output::print(&format!(
         "{}{} figures and claims.md written to {}\n{}.\n",
@@ -59,11 +69,16 @@ pub fn run(args: &Args) -> Result<(), Error> {
 
 fn beyond(args: &Args, mut files: Files) -> Result<(), Error> {
     let (table, figure) = (files.writes(&args.out.join("beyond.md")), files.writes(&args.out.join("beyond.svg")));
+    let html = args.html.as_ref().map(|file| files.writes(file));
     let mut outputs = files.check()?;
     let comparison = compare()?;
     output::figure(&mut outputs, figure, &comparison.figure()?)?;
     let text = comparison.markdown();
     output::text(&mut outputs, table, &formats::markdown(&text))?;
+    if let Some(html) = html {
+        let page = page::beyond(&comparison, &Provenance::of(&outputs, None)?)?;
+        output::text(&mut outputs, html, &formats::markup(&page))?;
+    }
     outputs.finish()?;
     let (table, figure) = (outputs.file(table).display(), outputs.file(figure).display());
     output::print(&format!("{text}\nwrote {table} and {figure}\n"))

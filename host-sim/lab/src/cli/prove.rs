@@ -170,6 +170,21 @@ impl Asked {
     fn is_nothing(&self) -> bool {
         self.json.is_none() && self.html.is_none() && self.results.is_none()
     }
+
+    /// Writes the page and the Markdown of a proof that is one table: title, table, what it comes to, what has no answer.
+    fn tabled(
+        &self,
+        (title, table, summary, without): (&str, &text::Table, &str, &[String]),
+        outputs: &mut Outputs,
+    ) -> Result<(), Error> {
+        if let Some(html) = self.html {
+            let page = page::of_table(title, table, summary, without, &Provenance::of(outputs, None)?);
+            output::text(outputs, html, &formats::markup(&page))?;
+        }
+        let Some(results) = self.results else { return Ok(()) };
+        let document = results::table_document(title, table, without);
+        output::text(outputs, results, &formats::markdown(&document))
+    }
 }
 
 impl Args {
@@ -214,14 +229,11 @@ impl Args {
             let text = formats::json(&content, &Provenance::of(&outputs, None)?)?;
             output::text(&mut outputs, json, &text)?;
         }
-        if let Some(results) = asked.results {
-            let table = real::table(&outcomes);
-            let document = results::table_document("Real machines with known effects hidden", &table, &skipped);
-            output::text(&mut outputs, results, &formats::markdown(&document))?;
-        }
+        let table = real::table(&outcomes);
+        asked.tabled(("Real machines with known effects hidden", &table, "", &skipped), &mut outputs)?;
         outputs.finish()?;
         let skipped: String = skipped.iter().map(|line| format!("{line}\n")).collect();
-        output::print(&(text::aligned(&real::table(&outcomes)) + &skipped))
+        output::print(&(text::aligned(&table) + &skipped))
     }
 
     fn prove_followed(
@@ -239,13 +251,11 @@ impl Args {
             let text = formats::json(&content, &Provenance::of(&outputs, None)?)?;
             output::text(&mut outputs, json, &text)?;
         }
-        if let Some(file) = asked.results {
-            let document = results::table_document("Answers that must follow", &table, &skipped);
-            output::text(&mut outputs, file, &formats::markdown(&document))?;
-        }
+        let summary = follow::summary(&outcomes);
+        asked.tabled(("Answers that must follow", &table, &summary, &skipped), &mut outputs)?;
         outputs.finish()?;
         let skipped: String = skipped.iter().map(|line| format!("{line}\n")).collect();
-        output::print(&(text::aligned(&table) + &follow::summary(&outcomes) + &skipped))
+        output::print(&(text::aligned(&table) + &summary + &skipped))
     }
 
     fn seeds(&self) -> Result<Vec<u64>, Error> {

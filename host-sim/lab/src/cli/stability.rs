@@ -1,5 +1,6 @@
 //! `servo-lab stability`: is the servo stable, by four methods, and how far is it from the edge.
 
+mod page;
 mod text;
 
 use std::path::{Path, PathBuf};
@@ -66,6 +67,9 @@ pub struct StabilityArgs {
     /// Draw the stable regions, as Fig. 9 of the paper
     #[arg(long, value_name = "FILE.svg")]
     plot: Option<PathBuf>,
+    /// Writes the answer as one page that opens in a browser
+    #[arg(long, value_name = "FILE")]
+    html: Option<PathBuf>,
     #[command(flatten)]
     overwrite: Overwrite,
 }
@@ -80,13 +84,17 @@ pub fn run(args: &StabilityArgs) -> Result<(), Error> {
     let to_stdout = args.json.as_deref() == Some(Path::new("-"));
     let json = args.json.as_ref().filter(|_| !to_stdout).map(|file| files.writes(file));
     let plot = args.plot.as_ref().map(|file| files.writes(file));
+    let html = args.html.as_ref().map(|file| files.writes(file));
     let mut outputs = files.check()?;
     let (closed, setting) = case(args)?;
     let (analysis, regions) = analyse(&closed, &setting).map_err(usage)?;
-    if let Some(plot) = plot {
-        let fluids = analysis.regions.iter().map(|known| known.fluid);
-        let regions: Vec<_> = fluids.zip(regions).collect();
-        output::figure(&mut outputs, plot, &stable_regions(&analysis.plant, &regions, analysis.normalised_gains))?;
+    let fluids = analysis.regions.iter().map(|known| known.fluid);
+    let regions: Vec<_> = fluids.zip(regions).collect();
+    let figure = || stable_regions(&analysis.plant, &regions, analysis.normalised_gains);
+    plot.map_or(Ok(()), |plot| output::figure(&mut outputs, plot, &figure()))?;
+    if let Some(html) = html {
+        let page = page::page(&analysis, &figure(), &Provenance::of(&outputs, None)?)?;
+        output::text(&mut outputs, html, &formats::markup(&page))?;
     }
     let document = || formats::json(&analysis, &Provenance::of(&outputs, None)?);
     if to_stdout {

@@ -1,12 +1,15 @@
 //! `servo-lab tune`: gains that keep margins over the uncertainty of every delay, and settle fast.
 
+mod page;
+
 use std::path::PathBuf;
 
 use super::Overwrite;
 use super::machine::MachineArgs;
-use crate::output::formats;
+use crate::output::{Provenance, formats};
 use crate::read::Machine;
 use crate::stability::NormalisedGains;
+use crate::tune::search::SEED;
 use crate::tune::{Demands, Steps, Task, Tuning, figure, machine, summary, tune};
 use crate::{Error, output};
 
@@ -46,6 +49,9 @@ pub struct Args {
     /// Folder for the picture and the machine file; made if it is not there.
     #[arg(long, value_name = "DIR", default_value = "out/tune")]
     out: PathBuf,
+    /// Writes what was found as one page that opens in a browser.
+    #[arg(long, value_name = "FILE")]
+    html: Option<PathBuf>,
     #[command(flatten)]
     overwrite: Overwrite,
 }
@@ -58,16 +64,22 @@ pub fn run(args: &Args) -> Result<(), Error> {
     let mut files = args.overwrite.files();
     files.reads_all(&args.machine.machine);
     let (picture, file) = (files.writes(&args.out.join("tune.svg")), files.writes(&args.out.join("tuned.toml")));
+    let html = args.html.as_ref().map(|file| files.writes(file));
     let mut outputs = files.check()?;
-    let Tuned { tuning, machine, summary } = args.tune()?;
-    output::figure(&mut outputs, picture, &figure(&tuning))?;
-    let tuned = machine.to_toml();
-    let tuned =
-        tuned.map_err(|error| Error::Output { file: outputs.file(file).to_path_buf(), reason: error.to_string() })?;
-    output::text(&mut outputs, file, &formats::toml(&tuned))?;
+    let tuned = args.tune()?;
+    output::figure(&mut outputs, picture, &figure(&tuned.tuning))?;
+    let machine = tuned.machine.to_toml();
+    let machine =
+        machine.map_err(|error| Error::Output { file: outputs.file(file).to_path_buf(), reason: error.to_string() })?;
+    output::text(&mut outputs, file, &formats::toml(&machine))?;
+    if let Some(html) = html {
+        let named = outputs.file(file).display().to_string();
+        let page = page::page(&args.task()?, &tuned, &named, &Provenance::of(&outputs, Some(SEED))?)?;
+        output::text(&mut outputs, html, &formats::markup(&page))?;
+    }
     outputs.finish()?;
     let (picture, file) = (outputs.file(picture).display(), outputs.file(file).display());
-    output::print(&format!("{summary}\nwrote {picture} and {file}\n"))
+    output::print(&format!("{}\nwrote {picture} and {file}\n", tuned.summary))
 }
 
 /// What tuning gave.

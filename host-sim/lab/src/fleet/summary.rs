@@ -5,9 +5,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::Row;
 use crate::Error;
 use crate::output::Provenance;
-use crate::prove::page::{document, escape, section, table};
 use crate::prove::text::{Table, aligned};
-use crate::report::html::{estimate, interval};
+use crate::report::html::{Page, Section, estimate, interval, plain, text};
 use crate::report::{EffectAnswer, Interval};
 
 /// What the rows say together.
@@ -29,43 +28,38 @@ impl Summary {
         Self { verdicts: verdicts(rows), effects: effects(rows), drift: drift(rows), failed: failed(rows) }
     }
 
-    fn parts(&self) -> [(&'static str, &Table); 4] {
-        [
-            ("Verdicts", &self.verdicts),
-            ("Effects in machines", &self.effects),
-            ("Drift over dates", &self.drift),
-            ("Rows without an answer", &self.failed),
-        ]
+    /// Those that have a row, each with what its link leads to.
+    fn parts(&self) -> impl Iterator<Item = (&'static str, &'static str, &Table)> {
+        let all = [
+            ("verdicts", "Verdicts", &self.verdicts),
+            ("effects", "Effects in machines", &self.effects),
+            ("drift", "Drift over dates", &self.drift),
+            ("failed", "Rows without an answer", &self.failed),
+        ];
+        all.into_iter().filter(|(_, _, (_, rows))| !rows.is_empty())
     }
 
     /// For a terminal; parts without a row are left out.
     pub fn text(&self) -> String {
-        let part = |(title, table): (&str, &Table)| {
+        let part = |(_, title, table): (_, &str, &Table)| {
             format!("{title}\n{}", aligned(table).lines().map(|line| format!("  {line}\n")).collect::<String>())
         };
-        let parts = self.parts().into_iter().filter(|(_, (_, rows))| !rows.is_empty());
-        parts.map(part).collect::<Vec<_>>().join("\n")
+        self.parts().map(part).collect::<Vec<_>>().join("\n")
     }
 
     /// As one page that opens from disk.
     pub fn page(&self, manifest: &str, made: &Provenance) -> String {
         let done: usize = self.verdicts.1.iter().filter_map(|row| row[1].parse::<usize>().ok()).sum();
-        let mut body = format!(
-            "<header><p class=\"quiet\">Fleet of {}</p><h1>{done} diagnoses, {} rows without an answer</h1></header>",
-            escape(manifest),
-            self.failed.1.len()
-        );
-        for (title, part) in self.parts().into_iter().filter(|(_, (_, rows))| !rows.is_empty()) {
-            body += &section(title, &table(part));
-        }
-        let footer = format!(
-            "{} on {}, built from {}: <code>{}</code>",
-            escape(&made.written_by),
-            escape(&made.date),
-            escape(&made.commit),
-            escape(&made.command)
-        );
-        document("Fleet", &body, &footer)
+        let section = |(id, title, (head, rows)): (_, _, &Table)| Section::new(id, title, plain(title, head, rows));
+        let page = Page {
+            title: "Fleet".to_owned(),
+            about: format!("Fleet of {manifest}"),
+            heading: text(&format!("{done} diagnoses, {} rows without an answer", self.failed.1.len())),
+            picture: String::new(),
+            sections: self.parts().map(section).collect(),
+            script: None,
+        };
+        page.html(made)
     }
 
     /// The first row without an answer as an error, with how many there are.

@@ -20,6 +20,47 @@ const LONGER: f64 = HORIZONS_S[1] / HORIZONS_S[0];
 /// Windows named as the worst.
 const WORST: usize = 5;
 
+/// What a model leaves of a recording in windows of one length.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Left {
+    /// Length of the windows, s.
+    pub horizon_s: f64,
+    /// Root mean square of the residual, rad (m).
+    pub rms: f64,
+    /// Root mean square of the torque (force) that would make it, N m (N).
+    pub effort_rms: f64,
+    /// Number of windows.
+    pub windows: usize,
+}
+
+/// How the residual torque (force) goes with a channel.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Followed {
+    /// The channel.
+    pub name: &'static str,
+    /// Of the channel.
+    pub unit: &'static str,
+    /// Share of the residual that follows it, 1.
+    pub share: f64,
+    /// Mean where it is largest, N m (N).
+    pub largest: f64,
+    /// Half the width of its 95 % interval, N m (N).
+    pub half: f64,
+    /// From where to where that is, in the unit of the channel.
+    pub range: [f64; 2],
+}
+
+/// A window in which much is left.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Worst {
+    /// Its first and last row, s.
+    pub span_s: [f64; 2],
+    /// The torque (force) that would make its residual, N m (N).
+    pub effort: f64,
+    /// Mean speed in it, rad/s (m/s).
+    pub speed: f64,
+}
+
 /// A model beside a recording.
 #[derive(Debug, Clone)]
 pub struct Comparison<'a> {
@@ -59,7 +100,61 @@ impl<'a> Comparison<'a> {
 
     /// Length, s, and root mean square of the residual, rad (m), of the shorter windows, then of the longer ones.
     pub fn windows(&self) -> impl Iterator<Item = (f64, f64)> {
-        self.residuals.iter().map(|residual| (residual.horizon_s, residual.rms()))
+        self.left().map(|left| (left.horizon_s, left.rms))
+    }
+
+    /// What is left in the shorter windows, then in the longer ones.
+    pub fn left(&self) -> impl Iterator<Item = Left> {
+        self.residuals.iter().map(|residual| {
+            let squares: f64 = residual.windows.iter().map(|window| window.torque * window.torque).sum();
+            let windows = residual.windows.len();
+            let effort_rms = (squares / windows as f64).sqrt();
+            Left { horizon_s: residual.horizon_s, rms: residual.rms(), effort_rms, windows }
+        })
+    }
+
+    /// Names of the units of the recording.
+    pub fn units(&self) -> Units {
+        self.units
+    }
+
+    /// What the residual follows, the most first.
+    pub fn followed(&self) -> Vec<Followed> {
+        let one = |map: &Map| {
+            let (name, unit) = self.channel_label(map.channel);
+            let bin = map.bins.iter().max_by(|a, b| a.mean_torque.abs().total_cmp(&b.mean_torque.abs()))?;
+            let half = TWO_SIDED_95 * bin.standard_error;
+            Some(Followed {
+                name,
+                unit,
+                share: map.explained,
+                largest: bin.mean_torque,
+                half,
+                range: [bin.low, bin.high],
+            })
+        };
+        let mut followed: Vec<Followed> = self.maps.iter().filter_map(one).collect();
+        followed.sort_by(|a, b| b.share.total_cmp(&a.share));
+        followed
+    }
+
+    /// Windows far beyond all others, which no share counts.
+    pub fn set_aside(&self) -> usize {
+        self.residuals[0].windows.len() - self.residuals[0].usual().count()
+    }
+
+    /// The shorter windows in which most is left.
+    pub fn worst(&self) -> Vec<Worst> {
+        let mut windows: Vec<&Window> = self.residuals[0].windows.iter().collect();
+        windows.sort_by(|a, b| b.torque.abs().total_cmp(&a.torque.abs()));
+        windows.truncate(WORST);
+        let t_s = &self.recording.t_s;
+        let one = |window: &Window| Worst {
+            span_s: [t_s[window.start], t_s[window.end - 1]],
+            effort: window.torque,
+            speed: window.speed,
+        };
+        windows.into_iter().map(one).collect()
     }
 
     /// Standard deviation of the sensor's noise, one sample, rad (m).
@@ -153,29 +248,21 @@ impl<'a> Comparison<'a> {
         }
     }
 
-    fn worst(&self) -> Vec<&Window> {
-        let mut windows: Vec<&Window> = self.residuals[0].windows.iter().collect();
-        windows.sort_by(|a, b| b.torque.abs().total_cmp(&a.torque.abs()));
-        windows.truncate(WORST);
-        windows
-    }
-
     fn write_windows(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
         let u = self.units;
         writeln!(f, "sensor noise  {:.3e} {} (one sample, standard deviation)", self.noise, u.position)?;
-        for residual in &self.residuals {
-            let torque: f64 = residual.windows.iter().map(|w| w.torque * w.torque).sum();
-            let torque = (torque / residual.windows.len() as f64).sqrt();
+        for left in self.left() {
             writeln!(
                 f,
-                "{:>4.0} ms windows  residual {:.3e} {} rms, {:.1} times the noise; as a {} {torque:.4} {} rms; {} windows",
-                1e3 * residual.horizon_s,
-                residual.rms(),
+                "{:>4.0} ms windows  residual {:.3e} {} rms, {:.1} times the noise; as a {} {:.4} {} rms; {} windows",
+                1e3 * left.horizon_s,
+                left.rms,
                 u.position,
-                residual.rms() / self.noise.max(f64::MIN_POSITIVE),
+                left.rms / self.noise.max(f64::MIN_POSITIVE),
                 u.effort_name,
+                left.effort_rms,
                 u.effort,
-                residual.windows.len()
+                left.windows
             )?;
         }
         Ok(())
@@ -198,9 +285,7 @@ impl<'a> Comparison<'a> {
 
     fn write_maps(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
         let u = self.units;
-        let mut maps: Vec<&Map> = self.maps.iter().collect();
-        maps.sort_by(|a, b| b.explained.total_cmp(&a.explained));
-        let aside = self.residuals[0].windows.len() - self.residuals[0].usual().count();
+        let aside = self.set_aside();
         if aside > 0 {
             writeln!(f, "set aside from the shares: {aside} windows far beyond all others, see the worst windows")?;
         }
@@ -211,20 +296,11 @@ impl<'a> Comparison<'a> {
             let share = 100.0 * orders.explained;
             writeln!(f, "  {share:>5.1} %  position within a revolution, orders {}", names.join(", "))?;
         }
-        for map in maps {
-            let (name, unit) = self.channel_label(map.channel);
-            let Some(bin) = map.bins.iter().max_by(|a, b| a.mean_torque.abs().total_cmp(&b.mean_torque.abs())) else {
-                continue;
-            };
+        for Followed { name, unit, share, largest, half, range: [low, high] } in self.followed() {
+            let (percent, effort) = (100.0 * share, u.effort);
             writeln!(
                 f,
-                "  {:>5.1} %  {name:<9} {:+.4} +- {:.4} {} at {:.4} to {:.4} {unit}",
-                100.0 * map.explained,
-                bin.mean_torque,
-                TWO_SIDED_95 * bin.standard_error,
-                u.effort,
-                bin.low,
-                bin.high
+                "  {percent:>5.1} %  {name:<9} {largest:+.4} +- {half:.4} {effort} at {low:.4} to {high:.4} {unit}"
             )?;
         }
         Ok(())
@@ -244,17 +320,9 @@ impl Display for Comparison<'_> {
         self.write_windows(f)?;
         self.write_maps(f)?;
         writeln!(f, "worst windows of {:.0} ms:", 1e3 * self.residuals[0].horizon_s)?;
-        for window in self.worst() {
-            writeln!(
-                f,
-                "  t = {:.4} to {:.4} s  {:+.4} {} at {:+.4} {}",
-                r.t_s[window.start],
-                r.t_s[window.end - 1],
-                window.torque,
-                u.effort,
-                window.speed,
-                u.speed
-            )?;
+        for Worst { span_s: [start_s, end_s], effort, speed } in self.worst() {
+            let (effort_unit, speed_unit) = (u.effort, u.speed);
+            writeln!(f, "  t = {start_s:.4} to {end_s:.4} s  {effort:+.4} {effort_unit} at {speed:+.4} {speed_unit}")?;
         }
         Ok(())
     }

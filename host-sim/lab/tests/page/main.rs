@@ -1,7 +1,8 @@
-//! The page of `diagnose`, read as a browser reads it, and where there is a Chromium, by one.
+//! The pages that commands write, read as a browser reads them, and where there is a Chromium, by one.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 mod browser;
+mod others;
 mod structure;
 
 use std::fs;
@@ -22,10 +23,12 @@ struct Made {
     answer: serde_json::Value,
 }
 
-fn lab(folder: &Path, line: &str) {
+/// Runs servo-lab in the folder; what it printed.
+fn lab(folder: &Path, line: &str) -> String {
     let output =
         Command::cargo_bin("servo-lab").unwrap().current_dir(folder).args(line.split_whitespace()).output().unwrap();
     assert!(output.status.success(), "{line}: {}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).unwrap()
 }
 
 /// A diagnosis of a servo whose model lacks viscous friction and takes the field for prompt; made once for all tests.

@@ -6,16 +6,16 @@ use scraper::{ElementRef, Html, Selector};
 
 use super::made;
 
-fn all<'a>(page: &'a Html, what: &str) -> Vec<ElementRef<'a>> {
+pub fn all<'a>(page: &'a Html, what: &str) -> Vec<ElementRef<'a>> {
     page.select(&Selector::parse(what).unwrap()).collect()
 }
 
-fn text(element: ElementRef) -> String {
+pub fn text(element: ElementRef) -> String {
     element.text().collect::<String>().replace('\u{a0}', " ").trim().to_owned()
 }
 
 /// The cells of the table of that caption, without its head.
-fn cells(page: &Html, caption: &str) -> Vec<Vec<String>> {
+pub fn cells(page: &Html, caption: &str) -> Vec<Vec<String>> {
     let has = |table: &ElementRef| {
         table.select(&Selector::parse("caption").unwrap()).any(|found| text(found).starts_with(caption))
     };
@@ -26,7 +26,7 @@ fn cells(page: &Html, caption: &str) -> Vec<Vec<String>> {
 }
 
 /// Whether a number on the page is the one of the JSON, to the digits that the page shows.
-fn same(shown: &str, value: f64) {
+pub fn same(shown: &str, value: f64) {
     let number = shown.trim_end_matches('%').trim();
     let decimals = number.split('e').next().unwrap().split_once('.').map_or(0, |(_, decimals)| decimals.len());
     let exponent: i32 = number.split_once('e').map_or(0, |(_, exponent)| exponent.parse().unwrap());
@@ -35,49 +35,59 @@ fn same(shown: &str, value: f64) {
     assert!((found - value).abs() <= 1.01 * within, "{shown} on the page, {value} in the JSON");
 }
 
-#[test]
-#[cfg_attr(debug_assertions, ignore = "minutes without optimisation; the tests in release run it")]
-fn the_page_is_well_formed_and_every_link_leads_somewhere() {
-    let page = Html::parse_document(&made().page);
+/// Well-formed, every link leads somewhere, nothing is loaded, and everything that scrolls is named and moved by the keyboard.
+pub fn is_in_dress(page: &Html) {
+    links_lead_somewhere(page);
+    loads_nothing_and_names_what_scrolls(page);
+}
+
+fn links_lead_somewhere(page: &Html) {
     assert!(page.errors.is_empty(), "{:?}", page.errors);
-    let ids: Vec<&str> = all(&page, "[id]").iter().map(|element| element.value().attr("id").unwrap()).collect();
+    let ids: Vec<&str> = all(page, "[id]").iter().map(|element| element.value().attr("id").unwrap()).collect();
     let unique: HashSet<&str> = ids.iter().copied().collect();
     assert_eq!(ids.len(), unique.len(), "{ids:?}");
-    let links = all(&page, "[href]");
-    assert!(links.len() > 8, "a table of contents");
+    let links = all(page, "[href]");
+    assert!(links.len() > 4, "a table of contents");
     for link in &links {
         let target = link.value().attr("href").unwrap();
         assert!(target.strip_prefix('#').is_some_and(|id| unique.contains(id)), "{target}");
     }
-    for labelled in all(&page, "[aria-labelledby]") {
+    for labelled in all(page, "[aria-labelledby]") {
         assert!(unique.contains(labelled.value().attr("aria-labelledby").unwrap()));
     }
     // Every section is in the contents, in its order.
-    let contents: Vec<String> = all(&page, "nav a").into_iter().map(text).collect();
-    let headings: Vec<String> = all(&page, "section > h2").into_iter().map(text).collect();
+    let contents: Vec<String> = all(page, "nav a").into_iter().map(text).collect();
+    let headings: Vec<String> = all(page, "section > h2").into_iter().map(text).collect();
     assert_eq!(contents, headings);
+    assert_eq!(headings.last().map(String::as_str), Some("How to reproduce this page"));
+}
+
+fn loads_nothing_and_names_what_scrolls(page: &Html) {
+    for loading in ["[src]", "link", "iframe", "object", "embed", "img", "video", "audio", "form"] {
+        assert!(all(page, loading).is_empty(), "{loading}");
+    }
+    let styles: String = all(page, "style").into_iter().map(text).collect();
+    assert!(!styles.contains("url(") && !styles.contains("@import"));
+    for table in all(page, ".table, .drawing, pre") {
+        let named = table.value().attr("aria-label").is_some_and(|label| !label.is_empty());
+        assert!(named && table.value().attr("tabindex") == Some("0"), "a wide table is moved by the keyboard");
+    }
+    assert_eq!(all(page, "h1").len(), 1);
+    assert_eq!(all(page, "html[lang=en] main").len(), 1);
+}
+
+#[test]
+#[cfg_attr(debug_assertions, ignore = "minutes without optimisation; the tests in release run it")]
+fn the_page_of_a_diagnosis_is_well_formed_loads_nothing_and_says_what_belongs_into_it() {
+    let page = Html::parse_document(&made().page);
+    is_in_dress(&page);
+    let headings: Vec<String> = all(&page, "section > h2").into_iter().map(text).collect();
+    assert!(headings.len() > 7, "{headings:?}");
     for heading in
         ["How well it fits", "Is what is left noise?", "Equation of the improved model", "How to reproduce this page"]
     {
         assert!(headings.iter().any(|found| found == heading), "{heading} in {headings:?}");
     }
-}
-
-#[test]
-#[cfg_attr(debug_assertions, ignore = "minutes without optimisation; the tests in release run it")]
-fn the_page_loads_nothing_and_names_everything_that_is_drawn() {
-    let page = Html::parse_document(&made().page);
-    for loading in ["[src]", "link", "iframe", "object", "embed", "img", "video", "audio", "form"] {
-        assert!(all(&page, loading).is_empty(), "{loading}");
-    }
-    let styles: String = all(&page, "style").into_iter().map(text).collect();
-    assert!(!styles.contains("url(") && !styles.contains("@import"));
-    for table in all(&page, ".table, pre") {
-        let named = table.value().attr("aria-label").is_some_and(|label| !label.is_empty());
-        assert!(named && table.value().attr("tabindex") == Some("0"), "a wide table is moved by the keyboard");
-    }
-    assert_eq!(all(&page, "h1").len(), 1);
-    assert_eq!(all(&page, "html[lang=en] main").len(), 1);
 }
 
 #[test]

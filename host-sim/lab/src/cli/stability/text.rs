@@ -41,7 +41,8 @@ pub(super) fn summary(analysis: &Analysis) -> String {
     out
 }
 
-fn name(fluid: Fluid) -> String {
+/// A delay model of the fluid in words.
+pub(super) fn name(fluid: Fluid) -> String {
     match fluid {
         Fluid::None => "no delay of the fluid".to_owned(),
         Fluid::DeadTime { l_q_s } => format!("dead time {:.3} ms", l_q_s * 1e3),
@@ -89,20 +90,25 @@ fn tolerances(out: &mut String, tolerances: &[Tolerance]) {
     }
     let _ = writeln!(out, "\nMay move alone, as a factor (value at the limit):");
     for &Tolerance { quantity, nominal, lower, upper } in tolerances {
-        let (label, scale) = match quantity {
-            Quantity::TorqueDelay => ("L, ms", 1e3),
-            Quantity::FluidDelay => ("L_Q or T_Q, ms", 1e3),
-            Quantity::Kp => ("K_P, N m/rad", 1.0),
-            Quantity::Kd => ("K_D, N m s/rad", 1.0),
-            Quantity::BothGains => ("K_P and K_D", 1.0),
-            Quantity::Inertia => ("J, kg m2", 1.0),
-            Quantity::Q1 => ("Q1, N m s/rad", 1.0),
-        };
+        let (label, scale) = labelled(quantity);
         let limit = |limit: Option<Limit>, none: &str| {
             limit.map_or_else(|| none.to_owned(), |l| format!("{:.4} ({:.5})", l.factor, l.value * scale))
         };
         let (down, up) = (limit(lower, "any less"), limit(upper, "any more"));
         let _ = writeln!(out, "  {label:<15} {:<9.5} down to {down:<20} up to {up}", nominal * scale);
+    }
+}
+
+/// A quantity by its letter and unit, and how many of that unit are in one of its own.
+pub(super) fn labelled(quantity: Quantity) -> (&'static str, f64) {
+    match quantity {
+        Quantity::TorqueDelay => ("L, ms", 1e3),
+        Quantity::FluidDelay => ("L_Q or T_Q, ms", 1e3),
+        Quantity::Kp => ("K_P, N m/rad", 1.0),
+        Quantity::Kd => ("K_D, N m s/rad", 1.0),
+        Quantity::BothGains => ("K_P and K_D", 1.0),
+        Quantity::Inertia => ("J, kg m2", 1.0),
+        Quantity::Q1 => ("Q1, N m s/rad", 1.0),
     }
 }
 

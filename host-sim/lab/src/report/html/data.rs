@@ -264,7 +264,7 @@ fn largest(residuals: &[Residual]) -> f64 {
 }
 
 /// SI prefix in which a value has one to three digits before the point, and its factor.
-pub(super) fn prefix(largest: f64) -> (&'static str, f64) {
+pub(crate) fn prefix(largest: f64) -> (&'static str, f64) {
     match largest {
         value if value >= 1.0 => ("", 1.0),
         value if value >= 1e-3 => ("m", 1e3),

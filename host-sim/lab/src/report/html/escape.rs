@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 /// Text for the content or a quoted attribute of an element.
-pub(super) fn text(raw: &str) -> String {
+pub(crate) fn text(raw: &str) -> String {
     let mut safe = String::with_capacity(raw.len());
     for character in raw.chars() {
         match character {

@@ -3,7 +3,7 @@
 use super::escape::text;
 
 /// A part of the page, which the table of contents names.
-pub(super) struct Section {
+pub(crate) struct Section {
     /// What its link leads to.
     pub id: &'static str,
     /// Its title; text, no markup.
@@ -13,7 +13,7 @@ pub(super) struct Section {
 }
 
 impl Section {
-    pub(super) fn new(id: &'static str, heading: &str, body: String) -> Self {
+    pub(crate) fn new(id: &'static str, heading: &str, body: String) -> Self {
         Self { id, heading: heading.to_owned(), body }
     }
 
@@ -32,7 +32,7 @@ pub(super) fn contents(sections: &[Section]) -> String {
 }
 
 /// A table; captions and headings are text, cells are markup. A wide one is moved by the keyboard, too.
-pub(super) fn table(caption: &str, head: &[&str], rows: Vec<Vec<String>>) -> String {
+pub(crate) fn table(caption: &str, head: &[&str], rows: Vec<Vec<String>>) -> String {
     let head: String = head.iter().map(|cell| format!("<th scope=\"col\">{}</th>", text(cell))).collect();
     let row = |cells: Vec<String>| {
         let mut cells = cells.into_iter();
@@ -46,4 +46,15 @@ pub(super) fn table(caption: &str, head: &[&str], rows: Vec<Vec<String>>) -> Str
         "<div class=\"table\" role=\"region\" tabindex=\"0\" aria-label=\"{caption}\"><table><caption>{caption}</caption><thead>\
          <tr>{head}</tr></thead><tbody>{rows}</tbody></table></div>"
     )
+}
+
+/// A table of text.
+pub(crate) fn plain<'a>(caption: &str, head: &[&str], rows: impl IntoIterator<Item = &'a Vec<String>>) -> String {
+    let escaped = |row: &'a Vec<String>| row.iter().map(|cell| text(cell)).collect();
+    table(caption, head, rows.into_iter().map(escaped).collect())
+}
+
+/// A verdict in a word, before a heading; the kind is its colour.
+pub(crate) fn badge(kind: &str, word: &str) -> String {
+    format!("<span class=\"verdict {kind}\">{}</span> ", text(word))
 }

@@ -1,11 +1,14 @@
-//! The answer as one page that opens from disk: no file beside it, no network.
+//! What commands find as one page that opens from disk: the frame of all of them, and the answer of a diagnosis in it.
 
 mod data;
 mod equation;
 mod escape;
+mod frame;
 mod maps;
 mod markup;
 mod model;
+mod pictures;
+mod provenance;
 mod sections;
 #[cfg(test)]
 mod tests;
@@ -15,12 +18,18 @@ mod windows;
 mod words;
 
 pub use data::PlotData;
+pub(crate) use data::prefix;
+pub(crate) use escape::text;
+pub(crate) use frame::Page;
+use frame::Script;
 use maps::{Band, MapPlot};
-use markup::Section;
+pub(crate) use markup::{Section, badge, plain, table};
+pub(crate) use pictures::{figure, picture};
+pub(crate) use sections::warnings;
 #[cfg(test)]
 pub(crate) use words::sentence;
 pub(crate) use words::{estimate, interval};
-pub(crate) use words::{measure, number};
+pub(crate) use words::{measure, number, short};
 
 use crate::Error;
 use crate::output::Provenance;
@@ -30,10 +39,7 @@ use crate::report::Answer;
 const UPLOT: &str = include_str!("../../../assets/uplot/uPlot.iife.min.js");
 const UPLOT_STYLE: &str = include_str!("../../../assets/uplot/uPlot.min.css");
 const UPLOT_LICENCE: &str = include_str!("../../../assets/uplot/LICENSE");
-const STYLE: &str = include_str!("page.css");
 const SCRIPT: &str = include_str!("page.js");
-/// Whatever the page holds, the browser loads nothing for it.
-const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'";
 
 /// The page for an answer about the machine called `machine`, and what made it.
 ///
@@ -43,29 +49,31 @@ pub fn page(machine: &str, answer: &Answer, plot: &PlotData, made: &Provenance) 
     let data = escape::json(plot).map_err(|error| Error::Usage(format!("the page's data: {error}")))?;
     let verdict = answer.verdict.name();
     let names: Vec<&str> = plot.recordings.iter().map(|recording| recording.name.as_str()).collect();
-    let [machine, names, sentence] = [machine, &names.join(", "), &words::sentence(answer)].map(escape::text);
-    let sections = sections(answer, plot, made);
-    let (picture, contents) = (sections::picture(answer, plot), markup::contents(&sections));
-    let body: String = sections.iter().map(Section::markup).collect();
-    Ok(format!(
-        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta http-equiv=\"Content-Security-Policy\" \
-         content=\"{POLICY}\">\n<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<meta \
-         name=\"color-scheme\" content=\"light dark\">\n<title>{machine}: {verdict}</title>\n<style>\n{UPLOT_STYLE}\n{STYLE}\
-         </style>\n</head>\n<body>\n<a class=\"skip\" href=\"#answer\">Skip to the answer</a>\n<main>\n<header><p \
-         class=\"quiet\">Diagnosis of {machine} from {names}</p>\n<h1 id=\"answer\" tabindex=\"-1\"><span class=\"verdict \
-         {verdict}\">{verdict}</span> {sentence}</h1></header>\n<noscript><p class=\"note\">The curves are drawn by a script, \
-         which is off here; every figure is in the tables.</p></noscript>\n{picture}{contents}{body}<footer \
-         class=\"quiet\">servo-lab {}; plots by uPlot 1.6.32, MIT licence, text in the source of this page.</footer>\n\
-         </main>\n<script type=\"application/json\" id=\"plot\">{data}</script>\n<script>\n/*\n{UPLOT_LICENCE}*/\n{UPLOT}\n\
-         </script>\n<script>\n{SCRIPT}</script>\n</body>\n</html>\n",
-        env!("CARGO_PKG_VERSION")
-    ))
+    let script = Script {
+        style: UPLOT_STYLE,
+        without: "<noscript><p class=\"note\">The curves are drawn by a script, which is off here; every figure is in the \
+                  tables.</p></noscript>\n",
+        credit: "; plots by uPlot 1.6.32, MIT licence, text in the source of this page.",
+        elements: format!(
+            "<script type=\"application/json\" id=\"plot\">{data}</script>\n<script>\n/*\n{UPLOT_LICENCE}*/\n{UPLOT}\n\
+             </script>\n<script>\n{SCRIPT}</script>\n"
+        ),
+    };
+    let page = Page {
+        title: format!("{machine}: {verdict}"),
+        about: format!("Diagnosis of {machine} from {}", names.join(", ")),
+        heading: badge(verdict, verdict) + &text(&words::sentence(answer)),
+        picture: sections::picture(answer, plot),
+        sections: sections(answer, plot),
+        script: Some(script),
+    };
+    Ok(page.html(made))
 }
 
 /// The sections in their order; those that have nothing to say are left out.
-fn sections(answer: &Answer, plot: &PlotData, made: &Provenance) -> Vec<Section> {
+fn sections(answer: &Answer, plot: &PlotData) -> Vec<Section> {
     let all = [
-        sections::warnings(answer),
+        sections::warnings(&answer.warnings),
         sections::effects(answer),
         sections::left(answer),
         model::alternatives(answer),
@@ -78,7 +86,6 @@ fn sections(answer: &Answer, plot: &PlotData, made: &Provenance) -> Vec<Section>
         model::equation(answer, &plot.equation),
         model::correlation(answer),
         sections::rejected(answer),
-        Some(sections::provenance(made)),
     ];
     all.into_iter().flatten().collect()
 }

@@ -80,6 +80,11 @@ pub(crate) fn number(value: f64, width: f64) -> String {
         return "unbounded".to_owned();
     }
     let resolution = if width.is_finite() && width > 0.0 { width / 10.0 } else { value.abs() / 1000.0 };
+    // Of a wide interval about zero, the place of an end within it is no figure.
+    let value = if value.abs() < resolution { 0.0 } else { value };
+    if value == 0.0 && resolution < 1e-4 {
+        return "0".to_owned();
+    }
     let order = |value: f64| value.log10().floor();
     if value != 0.0 && !(1e-4..1e6).contains(&value.abs()) {
         let digits = (order(value.abs()) - order(resolution)).clamp(0.0, 9.0) as usize;
@@ -95,7 +100,7 @@ pub(crate) fn measure(value: f64) -> String {
 }
 
 /// A number without an interval: up to four digits, and no zeros behind the last.
-pub(super) fn short(value: f64) -> String {
+pub(crate) fn short(value: f64) -> String {
     let text = number(value, 0.0);
     if !text.contains('.') || text.contains('e') {
         return text;
@@ -129,6 +134,7 @@ mod tests {
         assert_eq!(number(0.950_123, 0.0), "0.9501");
         assert_eq!(number(1234.567, 300.0), "1235");
         assert_eq!(number(0.0, 0.0), "0");
+        assert_eq!((number(-3e-7, 0.22), number(1e-9, 4e-7)), ("0.00".into(), "0".into()));
         assert_eq!(number(2.5e-7, 4e-9), "2.500e-7");
         assert_eq!(number(f64::INFINITY, 1.0), "unbounded");
     }
