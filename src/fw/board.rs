@@ -122,7 +122,7 @@ impl Board {
         clock::go_on_when_halted(&device.DBGMCU);
         let mut watchdog = IndependentWatchdog::new(device.IWDG);
         // Before anything that could wait for ever: a crystal that does not start, for one.
-        watchdog.start(START_WATCHDOG_MS.millis());
+        clock::set_watchdog(&mut watchdog, START_WATCHDOG_MS);
         core.DCB.enable_trace();
         core.DWT.enable_cycle_counter();
         let mut rcc = clock::start(device.RCC);

@@ -3,6 +3,7 @@
 use stm32f4xx_hal::pac;
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::{self, Rcc};
+use stm32f4xx_hal::watchdog::IndependentWatchdog;
 
 /// The core's clock, Hz.
 pub const CORE_HZ: u32 = 168_000_000;
@@ -12,6 +13,19 @@ const MICROSECONDS_HZ: u32 = 1_000_000;
 pub const TIMER_HZ: u32 = 84_000_000;
 /// Looks at the random generator, which makes a number in 40 periods of 48 MHz: 140 core cycles.
 const RANDOM_LOOKS: u32 = 1000;
+
+/// 0.36 ms of the core's clock, and more of the 16 MHz that it starts with; five cycles of the watchdog's clock at its slowest,
+/// 17 kHz, are 0.3 ms.
+const WATCHDOG_CROSSING_CYCLES: u32 = 60_000;
+
+/// Gives the watchdog so long from now on, and starts it if it does not run.
+pub fn set_watchdog(watchdog: &mut IndependentWatchdog, time_ms: u32) {
+    watchdog.start(time_ms.millis());
+    // The values take up to five cycles of its clock to reach the counter (RM0090 section 21.4.4), and the HAL reloads before
+    // that, with the old ones; one that was just started would count from 4096, which is 33 s.
+    cortex_m::asm::delay(WATCHDOG_CROSSING_CYCLES);
+    watchdog.feed();
+}
 
 /// 168 MHz from the crystal, with the clock security system on: a crystal that fails is a non-maskable interrupt.
 pub fn start(registers: pac::RCC) -> Rcc {

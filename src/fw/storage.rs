@@ -13,7 +13,7 @@ use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::watchdog::IndependentWatchdog;
 
 use super::board::WATCHDOG_MS;
-use super::tick;
+use super::{clock, tick};
 
 /// Offsets from the start of flash; memory.x keeps the image out of it.
 const RANGE: Range<u32> = 0x4000..0xC000;
@@ -21,8 +21,6 @@ const EVENTS: Range<u32> = 0xC000..0x1_0000;
 const SECTOR_BYTES: u32 = 0x4000;
 /// Erasing a 16 KiB sector byte by byte takes 400 ms, at most 800 (datasheet table 48), and the core stands still.
 const ERASE_WATCHDOG_MS: u32 = 2000;
-/// 1 ms of the core's clock; five cycles of a slow clock at its slowest, 17 kHz, are 0.3 ms.
-const WATCHDOG_CROSSING_CYCLES: u32 = 168_000;
 
 /// Parameters and events in flash.
 pub struct Storage {
@@ -64,11 +62,7 @@ impl Storage {
     /// Stores the set, with ticks paused and the watchdog patient.
     pub fn save(&mut self, config: &Config, watchdog: &mut IndependentWatchdog) -> Result<(), StorageError> {
         tick::paused(|| {
-            watchdog.start(ERASE_WATCHDOG_MS.millis());
-            // The new reload value takes up to five cycles of the slow clock to reach the counter (RM0090 section
-            // 21.4.4), and the HAL reloads before that, with the old one.
-            cortex_m::asm::delay(WATCHDOG_CROSSING_CYCLES);
-            watchdog.feed();
+            clock::set_watchdog(watchdog, ERASE_WATCHDOG_MS);
             let saved = block_on(storage::save(Sectors { flash: &mut self.flash, range: RANGE }, RANGE, config));
             watchdog.start(WATCHDOG_MS.millis());
             saved

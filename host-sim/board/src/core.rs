@@ -4,6 +4,9 @@
 //! map, so that the core asks its bus for them, and answers there from [`crate::flash`]; everything else goes through
 //! unchanged. Neither the emulator nor the image is changed. A test can upset the core itself here ([`Upset`]).
 
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+
 use rigless::emulator::{
     Access, AccessKind, BitAlias, Checked, CoreBus, CoreSpec, DataModel, Error, Exit, HaltReason, HostCall,
     InterruptLine, Processor, Queued,
@@ -18,6 +21,9 @@ const FLASH_CR: u64 = 0x4002_3C10;
 const FLASH_SR: u64 = 0x4002_3C0C;
 const CR_START: u64 = 1 << 16;
 const SR_BUSY: u64 = 1 << 16;
+/// Control register of the clocks, with the bit that says that the crystal oscillates.
+const RCC_CR: u64 = 0x4002_3800;
+const CR_CRYSTAL_READY: u64 = 1 << 17;
 
 /// Something that upsets the core before its next instruction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -42,23 +48,32 @@ pub enum Upset {
 
 /// Upsets the core, from outside.
 #[derive(Debug, Clone, Default)]
-pub struct Hand(std::sync::Arc<std::sync::Mutex<Option<Upset>>>);
+pub struct Hand {
+    next: Arc<Mutex<Option<Upset>>>,
+    crystal_is_dead: Arc<AtomicBool>,
+}
 
 impl Hand {
     /// Upsets it before its next instruction.
     pub fn upset(&self, upset: Upset) {
-        *self.0.lock().unwrap_or_else(std::sync::PoisonError::into_inner) = Some(upset);
+        *self.next.lock().unwrap_or_else(PoisonError::into_inner) = Some(upset);
+    }
+
+    /// The crystal does not start, or is whole again. To the emulator a pin without a crystal is ready all the same; the core
+    /// is told otherwise here.
+    pub fn kill_crystal(&self, dead: bool) {
+        self.crystal_is_dead.store(dead, Ordering::Relaxed);
     }
 
     fn take(&self) -> Option<Upset> {
-        self.0.lock().unwrap_or_else(std::sync::PoisonError::into_inner).take()
+        self.next.lock().unwrap_or_else(PoisonError::into_inner).take()
     }
 }
 
 /// The machine's core, with `flash` in it and within reach of `hand`.
 pub fn with_flash(mut spec: CoreSpec, flash: Shared, hand: Hand) -> CoreSpec {
     let plain = spec.processor.clone();
-    spec.processor = std::sync::Arc::new(move |endian| {
+    spec.processor = Arc::new(move |endian| {
         Ok(Box::new(WithFlash { core: plain(endian)?, flash: flash.clone(), hand: hand.clone() }))
     });
     spec
@@ -116,6 +131,7 @@ impl WithFlash {
 struct FlashBus<'a> {
     bus: &'a mut dyn CoreBus,
     flash: &'a Shared,
+    crystal_is_dead: bool,
 }
 
 impl FlashBus<'_> {
@@ -137,6 +153,9 @@ impl CoreBus for FlashBus<'_> {
             let starts = writes && access.address == FLASH_CR && access.value & CR_START != 0;
             if starts && self.register(FLASH_SR, access) & SR_BUSY != 0 {
                 self.flash.lock().erase(access.value);
+            }
+            if self.crystal_is_dead && !writes && access.address == RCC_CR {
+                return answer.map(|value| value & !CR_CRYSTAL_READY);
             }
             return answer;
         }
@@ -187,7 +206,8 @@ impl Processor for WithFlash {
             let now = bus.time(self.core.retired());
             self.upset(upset, now);
         }
-        self.core.run(budget, &mut FlashBus { bus, flash: &self.flash })
+        let crystal_is_dead = self.hand.crystal_is_dead.load(Ordering::Relaxed);
+        self.core.run(budget, &mut FlashBus { bus, flash: &self.flash, crystal_is_dead })
     }
 
     #[allow(unsafe_code)]

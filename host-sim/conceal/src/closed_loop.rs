@@ -44,6 +44,8 @@ pub struct Run<'a> {
     pub jitter_s: f64,
     /// Field that a bench supply holds in place of the law's, kV/mm.
     pub held_kv_mm: Option<f32>,
+    /// The coefficient of viscosity that the law asks for acts, at rest too, and not what field and speed tell of it.
+    pub asked_viscosity: bool,
     /// Of every noise.
     pub seed: u64,
 }
@@ -100,7 +102,8 @@ impl Run<'_> {
                 field_kv_mm: f64::from(acting_kv_mm),
                 braking: mode == Mode::Brake,
                 speed_rad_s: f64::from(outputs.speed_rad_s),
-                viscosity_nm_s_rad: None,
+                viscosity_nm_s_rad: (self.asked_viscosity && mode == Mode::Damper)
+                    .then(|| f64::from(params.viscosity_nm_s_rad(outputs.speed_rad_s))),
                 external_nm: self.physics.torque_noise_nm * unit_normal(&mut random),
             };
             for _ in 0..self.steps(&mut random) {

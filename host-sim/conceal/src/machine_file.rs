@@ -17,15 +17,22 @@ pub struct Nominal {
     torque_gain: f64,
     coulomb_nm: f64,
     er_share: f64,
+    /// Dead time and lag of the field.
+    field_s: [f64; 2],
 }
 
 impl Default for Nominal {
     fn default() -> Self {
-        Self { inertia_kg_m2: 0.075, torque_gain: 1.0, coulomb_nm: 0.763, er_share: 1.0 }
+        Self { inertia_kg_m2: 0.075, torque_gain: 1.0, coulomb_nm: 0.763, er_share: 1.0, field_s: [0.002, 0.003] }
     }
 }
 
 impl Nominal {
+    /// Of a fluid that acts at once.
+    pub(crate) fn at_once() -> Self {
+        Self { field_s: [0.0; 2], ..Self::default() }
+    }
+
     /// Puts one parameter 5 % off, up or down; gives the effect that sets it right.
     pub(crate) fn mislead(&mut self, id: &str, up: bool) -> Concealed {
         let by = if up { 1.0 + OFF } else { 1.0 - OFF };
@@ -45,13 +52,13 @@ impl Nominal {
 
 /// The file's text.
 pub(crate) fn text(nominal: &Nominal, resolution: Resolution, controller: bool) -> String {
-    let Nominal { inertia_kg_m2, torque_gain, coulomb_nm, er_share } = nominal;
+    let Nominal { inertia_kg_m2, torque_gain, coulomb_nm, er_share, field_s: [dead_time_s, lag_s] } = nominal;
     let (a, b) = (0.0704 * er_share, 0.470 * er_share);
     let mut text = format!(
         "schema = 1\nname = \"er-dd-servo\"\n\n[axis]\nkind = \"rotary\"\nsample_period_s = 0.0005\nresolution = {:?}\n\n\
          [plant]\ninertia = {inertia_kg_m2:?}\ncoulomb = {coulomb_nm:?}\nviscous = 0.0\ntorque_gain = {torque_gain:?}\n\
          torque_offset = 0.0\ntorque_limit = 30.0\ntorque_delay_s = 0.005\n\n\
-         [plant.er]\na = {a:?}\nb = {b:?}\ndead_time_s = 0.002\nlag_s = 0.003\n",
+         [plant.er]\na = {a:?}\nb = {b:?}\ndead_time_s = {dead_time_s:?}\nlag_s = {lag_s:?}\n",
         resolution.step_rad()
     );
     if controller {

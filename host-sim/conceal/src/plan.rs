@@ -1,6 +1,7 @@
 //! Which case a seed is: the plan is a list that seeds walk through again and again.
 
 mod drawn;
+mod steps;
 
 use std::fmt;
 use std::str::FromStr;
@@ -15,6 +16,7 @@ use crate::catalogue::ENTRIES;
 use crate::outside::{self, Kind};
 
 pub use self::drawn::{Drawn, ROUND};
+pub use self::steps::plan as plan_of_steps;
 
 /// What kind of question a case asks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -38,11 +40,13 @@ pub enum Arm {
     Poor,
     /// The law that ran is not the one in the machine file.
     Controller,
+    /// The paper's own experiment: single steps, and a delay of the fluid.
+    Steps,
 }
 
 impl Arm {
     /// Every arm, in the order of the report.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Clean,
         Self::Decoy,
         Self::Single,
@@ -52,6 +56,7 @@ impl Arm {
         Self::Outside,
         Self::Poor,
         Self::Controller,
+        Self::Steps,
     ];
 
     /// As in commands and tables.
@@ -66,6 +71,7 @@ impl Arm {
             Self::Outside => "outside",
             Self::Poor => "poor",
             Self::Controller => "controller",
+            Self::Steps => "steps",
         }
     }
 }
@@ -77,7 +83,8 @@ impl FromStr for Version {
         match text {
             "fixed" => Ok(Self::Fixed),
             "drawn" => Ok(Self::Drawn),
-            _ => Err(format!("there is no plan `{text}`; there are fixed and drawn")),
+            "steps" => Ok(Self::Steps),
+            _ => Err(format!("there is no plan `{text}`; there are fixed, drawn and steps")),
         }
     }
 }
@@ -139,6 +146,13 @@ pub struct Blueprint {
 impl Blueprint {
     fn new(arm: Arm, effects: &[&'static str], size: f64) -> Self {
         Self { arm, effects: effects.to_vec(), sizes: Sizes { high: size, low: size }, decoy: None, held_kv_mm: None }
+    }
+
+    /// The blueprint of a seed in the plan of single steps.
+    pub fn of_steps(seed: u64) -> Self {
+        let mut plan = plan_of_steps();
+        let index = (seed % plan.len() as u64) as usize;
+        plan.swap_remove(index)
     }
 
     fn misled(effects: &[&'static str], decoy: Decoy) -> Self {
@@ -255,6 +269,8 @@ pub enum Version {
     Fixed,
     /// Machines, effects and sizes drawn.
     Drawn,
+    /// The paper's servo after single steps: delays of the fluid, their sizes and the steps drawn.
+    Steps,
 }
 
 /// Seeds below are for tuning.
@@ -305,7 +321,7 @@ mod tests {
         let plan = plan();
         println!("{} cases in a round", plan.len());
         for arm in Arm::ALL {
-            assert!(plan.iter().any(|case| case.arm == arm), "{arm}");
+            assert!(plan.iter().chain(&plan_of_steps()).any(|case| case.arm == arm), "{arm}");
             assert_eq!(arm.name().parse::<Arm>().unwrap(), arm);
         }
         for id in plan.iter().flat_map(|case| &case.effects) {

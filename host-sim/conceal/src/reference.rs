@@ -29,7 +29,14 @@ pub enum Family {
     Rest,
     /// One slow sine: excites little.
     SlowSine,
+    /// One step, then rest.
+    SingleStep,
 }
+
+/// Single steps: those of the paper, 10 to 30 degrees.
+const STEPS_RAD: std::ops::Range<f64> = 10.0 / 180.0 * PI..30.0 / 180.0 * PI;
+/// Rest before one, s.
+const BEFORE_A_STEP_S: f64 = 0.05;
 
 /// Families that excite every effect between them.
 pub const RICH: [Family; 7] =
@@ -66,6 +73,10 @@ impl Family {
             Self::Reversals => times.map(|t| (0.05 + 0.4 * t / duration_s) * triangle(2.4 * scale * t)).collect(),
             Self::Rest => vec![0.0; rows],
             Self::SlowSine => times.map(|t| 0.3 * scale * (TAU * 0.2 * t).sin()).collect(),
+            Self::SingleStep => {
+                let step_rad = random.random_range(STEPS_RAD);
+                times.map(|t| if t < BEFORE_A_STEP_S { 0.0 } else { step_rad }).collect()
+            }
         }
     }
 }
@@ -146,7 +157,7 @@ mod tests {
 
     #[test]
     fn every_family_begins_where_the_axis_stands_and_repeats_by_seed() {
-        for family in RICH.into_iter().chain([Family::Rest, Family::SlowSine]) {
+        for family in RICH.into_iter().chain([Family::Rest, Family::SlowSine, Family::SingleStep]) {
             let draw = |seed| family.draw(2.0, 0.0005, &mut StdRng::seed_from_u64(seed));
             assert_eq!(draw(1).len(), 4000);
             assert_eq!(draw(1)[0], Counts(0), "{family:?}");

@@ -11,7 +11,7 @@ use crate::seal::Truth;
 /// A case, whichever plan its seed was read by.
 #[derive(Debug, Clone)]
 pub enum Subject {
-    /// Of the fixed plan.
+    /// Of the fixed plan, or of that of single steps.
     Fixed(Box<case::Case>),
     /// Of the drawn plan.
     Drawn(Box<drawn::Case>),
@@ -26,6 +26,7 @@ impl Subject {
         Ok(match version {
             Version::Fixed => Self::Fixed(Box::new(case::Case::draw(seed))),
             Version::Drawn => Self::Drawn(Box::new(drawn::Case::draw(seed)?)),
+            Version::Steps => Self::Fixed(Box::new(case::Case::of(seed, Blueprint::of_steps(seed)))),
         })
     }
 
@@ -39,6 +40,14 @@ impl Subject {
         match self {
             Self::Fixed(case) => &case.truth,
             Self::Drawn(case) => &case.truth,
+        }
+    }
+
+    /// Names of the recordings to fit.
+    pub fn fitted(&self) -> &'static [&'static str] {
+        match self {
+            Self::Fixed(case) => case.fitted(),
+            Self::Drawn(_) => &case::FITTED,
         }
     }
 
@@ -70,16 +79,15 @@ impl Subject {
     }
 }
 
-/// The arm of a seed, and what the fixed plan conceals there; the drawn one does not know before it is drawn.
+/// The arm of a seed, and what the fixed plan or that of steps conceals there; the drawn one does not know before it is drawn.
 ///
 /// # Errors
 /// As [`Drawn::of`].
 pub fn arm(version: Version, seed: u64) -> Result<(Arm, Vec<&'static str>), Error> {
+    let of = |blueprint: Blueprint| (blueprint.arm, blueprint.effects);
     Ok(match version {
-        Version::Fixed => {
-            let blueprint = Blueprint::of(seed);
-            (blueprint.arm, blueprint.effects)
-        }
+        Version::Fixed => of(Blueprint::of(seed)),
         Version::Drawn => (Drawn::of(seed)?.arm, Vec::new()),
+        Version::Steps => of(Blueprint::of_steps(seed)),
     })
 }

@@ -12,7 +12,9 @@ use rand::rngs::StdRng;
 fn rows(physics: &Physics, duration_s: f64) -> Vec<Row> {
     let reference = Family::Steps.draw(duration_s, 0.0005, &mut StdRng::seed_from_u64(3));
     let config = Config::default();
-    Run { physics, config: &config, jitter_s: 0.0, held_kv_mm: None, seed: 5 }.follow(&reference).unwrap()
+    Run { physics, config: &config, jitter_s: 0.0, held_kv_mm: None, asked_viscosity: false, seed: 5 }
+        .follow(&reference)
+        .unwrap()
 }
 
 #[test]
@@ -53,7 +55,14 @@ fn no_effect_trips_the_drive_under_any_family() {
             let mut physics = Physics::nominal();
             entry.conceal(1.0, &mut physics, &mut random);
             let reference = family.draw(1.2, 0.0005, &mut random);
-            let run = Run { physics: &physics, config: &Config::default(), jitter_s: 20e-6, held_kv_mm: None, seed: 1 };
+            let run = Run {
+                physics: &physics,
+                config: &Config::default(),
+                jitter_s: 20e-6,
+                held_kv_mm: None,
+                asked_viscosity: false,
+                seed: 1,
+            };
             assert!(run.follow(&reference).is_ok(), "{} {family:?}", entry.id);
         }
     }
@@ -91,7 +100,14 @@ fn a_held_field_is_what_the_log_shows_and_what_brakes() {
     assert!(rows.lines().skip(1).all(|row| row.contains(",1.5,brake,")), "{}", rows.lines().nth(1).unwrap());
     let reference = Family::SlowSine.draw(2.0, 0.0005, &mut StdRng::seed_from_u64(3));
     let travelled = |held_kv_mm| {
-        let run = Run { physics: &Physics::nominal(), config: &Config::default(), jitter_s: 0.0, held_kv_mm, seed: 5 };
+        let run = Run {
+            physics: &Physics::nominal(),
+            config: &Config::default(),
+            jitter_s: 0.0,
+            held_kv_mm,
+            asked_viscosity: false,
+            seed: 5,
+        };
         let rows = run.follow(&reference).unwrap();
         rows.iter().map(|row| f64::from(row.torque_nm).abs()).sum::<f64>() / rows.len() as f64
     };

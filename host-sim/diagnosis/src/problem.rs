@@ -58,11 +58,14 @@ const BLOCK_S: f64 = 0.25;
 impl Problem {
     /// Prepares recordings; `resolution` is the sensor's step, rad (m).
     pub fn new(nominal: Physics, recordings: Vec<Recorded>, fitted: usize, resolution: f64, linear: bool) -> Self {
+        let measured = may_be_measured(&nominal);
+        // Without a drive and a fluid between column and rotor nothing acts late.
+        let recordings: Vec<Recorded> =
+            if measured { recordings } else { recordings.into_iter().map(Recorded::settled).collect() };
         let grids: Vec<Grid> = recordings.iter().map(Grid::new).collect();
         let lately = recordings.iter().map(|_| Lately::default()).collect();
         let blocks = recordings.iter().map(blocks).collect();
         let excerpts = recordings.iter().map(|recorded| stretches(recorded.rows())).collect();
-        let measured = may_be_measured(&nominal);
         let motions = if measured { motions(&recordings, resolution) } else { Vec::new() };
         let excitation = Excitation { step: resolution, measured, ..excitation(&recordings, fitted, linear) };
         let early_s = early(&nominal, &recordings, &grids, &motions, resolution);

@@ -14,7 +14,7 @@ pub struct Recorded {
     pub position: Vec<f64>,
     /// Held from each row's time to the next.
     pub commands: Vec<Command>,
-    /// Rows at which no residual is taken: behind gaps, where lost commands still act.
+    /// Rows at which no residual is taken: behind gaps and at the beginning, where commands that are not known still act.
     pub skipped: Vec<bool>,
     /// Rows before which samples are missing.
     pub after_gap: Vec<bool>,
@@ -22,6 +22,11 @@ pub struct Recorded {
 
 /// What was commanded in a gap acts this long after it, s: delays and lags of drive and fluid.
 pub const ACTS_S: f64 = 0.03;
+/// What was commanded before the first row acts this long after it, s: the longest dead time of the vocabulary, and that after which
+/// a coefficient of viscosity that lags by the paper's 5 ms has fallen from that at rest, 55 N m s/rad, to that of motion.
+const SETTLES_S: f64 = 0.05;
+/// Of a short recording at most one row in this many is given up for what was commanded before it.
+const GIVEN_UP: usize = 10;
 /// Time constant of the speed estimate where a recording has none, s: the drive's default (control.md section 3).
 const SPEED_FILTER_S: f64 = 0.001;
 
@@ -44,6 +49,15 @@ impl Recorded {
             skipped,
             after_gap,
         }
+    }
+
+    /// The same without residuals where commands of before the first row may still act: that the first one was held before, as it is
+    /// replayed, holds for no recording that begins with a step.
+    pub(crate) fn settled(mut self) -> Self {
+        let first_s = self.t_s.first().copied().unwrap_or_default();
+        let rows = self.t_s.partition_point(|t_s| *t_s < first_s + SETTLES_S).min(self.rows() / GIVEN_UP);
+        self.skipped[..rows].fill(true);
+        self
     }
 
     /// Number of rows.

@@ -124,11 +124,11 @@ fn first(problem: &Problem, nominal: &Step, vocabulary: &[&'static Effect]) -> O
 pub fn search(problem: &Problem, vocabulary: &[&'static Effect]) -> Option<Found> {
     let nominal = Step::new(problem, nominal(problem)?)?;
     let all: Vec<&'static Effect> = vocabulary.iter().copied().chain(nuisances(vocabulary)).collect();
-    let around_nominal = Around::new(&nominal, &all);
+    let around_nominal = Around::new(&nominal.assessed.refitted, &all);
     let allowed = problem.left() / 5 * 2;
     let mut ends = vec![problem.within(allowed, |own| forward(own, vocabulary, nominal.clone(), &around_nominal))];
     if let Some(first) = first(problem, &nominal, vocabulary) {
-        let around_first = Around::new(&first, vocabulary);
+        let around_first = Around::new(&first.assessed.refitted, vocabulary);
         ends.push(problem.within(allowed, |own| forward(own, vocabulary, first, &around_first)));
     }
     let mut end = ends.into_iter().max_by(|a, b| priced(problem, &a.best).total_cmp(&priced(problem, &b.best)))?;
@@ -186,7 +186,7 @@ fn forward(problem: &Problem, vocabulary: &[&'static Effect], from: Step, around
             Some(((next, taken), odds)) => {
                 tried.push(Odds { taken, ..odds });
                 best = next;
-                moved = Some(Around::new(&best, vocabulary));
+                moved = Some(Around::new(&best.assessed.refitted, vocabulary));
             }
             None if among.len() < vocabulary.len() => among = vocabulary,
             None => {
@@ -206,10 +206,15 @@ fn not_taken(problem: &Problem, from: &Step, to: Refitted, odds: Odds) -> Option
     let entry = to.hypothesis.entries.len() - 1;
     let next = if worth_it && !problem.is_spent() { Step::new(problem, to) } else { None };
     let gain = next.as_ref().map(|next| self::gain(problem, next, from, entry));
-    // What brings the motion no nearer is no part of what is missing.
-    let certain = gain.is_some_and(|gain| gain > 0.0)
+    let certain = gain.is_some_and(|gain| is_part_of_it(effect, gain))
         && next.is_some_and(|next| p_value(&next.assessed, entry, rise, odds) < LEVEL_OF_A_STEP);
     Some(Rejected { effect, rise, gain, certain })
+}
+
+/// Whether an effect that brings this much less is part of what is missing: what brings the motion no nearer is not, nor what changes
+/// samples and no motion by less than is relevant.
+fn is_part_of_it(effect: &Effect, gain: f64) -> bool {
+    gain > 0.0 && (!effect.parameter(0).searched || gain >= SMALLEST_GAIN)
 }
 
 /// The step to a hypothesis with one entry more, if it is worth it.

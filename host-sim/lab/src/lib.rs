@@ -4,6 +4,7 @@
 //! Flow is one way: a stage knows only what comes before it.
 #![forbid(unsafe_code)]
 
+mod asked;
 pub mod cli;
 pub mod commission;
 pub mod conclude;

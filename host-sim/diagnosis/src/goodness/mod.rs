@@ -19,7 +19,8 @@ use score_test::Left;
 pub struct Predictor {
     /// The channel, as `speed`.
     pub channel: &'static str,
-    /// Share of the whitened residual's squares that it predicts beyond what as many columns do by chance, 1.
+    /// Share of the whitened residual's squares, or of those that noise would leave, that it predicts beyond what as many columns do
+    /// by chance, 1.
     pub share: f64,
     /// Log-likelihood that this prediction adds.
     pub rise: f64,

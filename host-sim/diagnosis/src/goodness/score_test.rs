@@ -25,7 +25,7 @@ pub(super) struct Tested {
     pub(super) coefficients: Vec<f64>,
     /// Log-likelihood they add, to second order.
     pub(super) rise: f64,
-    /// Share of the squares, less what as many columns take by chance.
+    /// Share of the squares, or of those that noise would leave where these are more, less what as many columns take by chance.
     pub(super) share: f64,
     pub(super) p_value: f64,
 }
@@ -48,6 +48,7 @@ impl Left {
     }
 
     /// Tests columns; none where the own ones hold them, or where there are too few blocks to say.
+    // Over 40 lines: statistic, coefficients and share of one regression.
     pub(super) fn test(&self, new: &[Vec<f64>]) -> Option<Tested> {
         let beside: Vec<Option<(Vec<f64>, f64)>> = new.iter().map(|column| self.beside_own(column)).collect();
         let found: Vec<&Vec<f64>> = beside.iter().flatten().map(|(column, _)| column).collect();
@@ -75,6 +76,8 @@ impl Left {
         let coefficients = information.cholesky()?.solve(&score);
         let rise = 0.5 * coefficients.dot(&score);
         let squares: f64 = self.dot(&self.residual, &self.residual, 0..self.residual.len());
+        // One a row is what noise leaves; where no noise is as small as what is left, below the sensor's step, that is no part of it.
+        let of_noise = self.weight.iter().filter(|weight| **weight > 0.0).count() as f64;
         // Correlated rows let chance take more than one square a column.
         let by_chance = (2.0 * rise / statistic).max(1.0) * freedom;
         let mut solved = coefficients.iter();
@@ -84,7 +87,7 @@ impl Left {
         let coefficients = beside.iter().map(&mut unscaled).collect();
         let finite = ratio.is_finite() && ratio > 0.0 && rise.is_finite();
         finite.then(|| Tested {
-            share: (2.0 * rise - by_chance) / squares.max(f64::MIN_POSITIVE),
+            share: (2.0 * rise - by_chance) / squares.max(of_noise).max(f64::MIN_POSITIVE),
             coefficients,
             rise,
             p_value: FisherSnedecor::new(freedom, rest).map_or(1.0, |f| f.sf(ratio)),

@@ -10,7 +10,7 @@ use super::belief::{BASE, Laws, Linear, POSITION, ROUNDING, SPEED, Substep};
 use super::grid::Grid;
 use super::noise::{Noise, Rounding};
 use crate::physics::Physics;
-use crate::recorded::Recorded;
+use crate::recorded::{ACTS_S, Recorded};
 
 /// Innovations beyond this many of their standard deviations pull no harder than one there (Huber): wrong samples. The
 /// specification's figure; 6e-5 of normal innovations lie beyond.
@@ -207,6 +207,11 @@ impl Prepared {
                 let speed = start.torque_rms * self.laws.per_inertia() * lost_s;
                 p[SPEED][SPEED] += speed * speed;
                 p[POSITION][POSITION] += (0.5 * speed * lost_s).powi(2);
+            }
+            if row > range.start && recorded.skipped[row - 1] && !recorded.skipped[row] {
+                // What acted until here is not known either, and had its samples all the same.
+                let speed = start.torque_rms * self.laws.per_inertia() * ACTS_S;
+                p[SPEED][SPEED] += speed * speed;
             }
             let (seen, slope) = self.seen(x[POSITION]);
             let innovation = recorded.position[row] - seen - x[ROUNDING];

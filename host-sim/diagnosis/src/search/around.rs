@@ -4,7 +4,6 @@ use std::sync::OnceLock;
 
 use rayon::prelude::*;
 
-use crate::confidence_set::Step;
 use crate::effects::Effect;
 use crate::hypothesis::{Hypothesis, Refitted, kept, refit};
 use crate::problem::Problem;
@@ -50,8 +49,8 @@ pub(super) struct Around {
 
 impl Around {
     /// Of a hypothesis, for effects of that vocabulary. Nothing is computed before it is asked for.
-    pub(super) fn new(at: &Step, vocabulary: &[&'static Effect]) -> Self {
-        Self { at: at.assessed.refitted.clone(), vocabulary: vocabulary.to_vec(), tried: OnceLock::new() }
+    pub(super) fn new(at: &Refitted, vocabulary: &[&'static Effect]) -> Self {
+        Self { at: at.clone(), vocabulary: vocabulary.to_vec(), tried: OnceLock::new() }
     }
 
     /// Candidates, best first.

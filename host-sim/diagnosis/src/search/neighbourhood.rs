@@ -7,7 +7,7 @@ use crate::problem::Problem;
 
 use super::around::{Around, NOT_YET, Odds, REFITTED};
 use super::{Forward, Found, LEVEL_OF_A_STEP, MOST_EFFECTS, Rejected, Rival, SMALLEST_GAIN};
-use super::{gain, nuisances, p_value, priced};
+use super::{gain, is_part_of_it, nuisances, p_value, priced};
 
 /// Swaps of an entry for another effect that are followed: each effect of the largest hypothesis once.
 const MOST_SWAPS: usize = MOST_EFFECTS;
@@ -85,7 +85,12 @@ impl<'a> Neighbourhood<'a> {
         let certain = p <= LEVEL_OF_A_STEP && self.best.assessed.away_from_neutral(self.problem, at);
         if !certain || gain < SMALLEST_GAIN {
             let effect = self.best.assessed.refitted.hypothesis.entries[at].effect;
-            self.rejected.push(Rejected { effect, rise, gain: Some(gain), certain: certain && gain > 0.0 });
+            self.rejected.push(Rejected {
+                effect,
+                rise,
+                gain: Some(gain),
+                certain: certain && is_part_of_it(effect, gain),
+            });
             return self.moved(at, without, None);
         }
         let found = self.in_its_place(at, &without);
@@ -130,7 +135,7 @@ impl<'a> Neighbourhood<'a> {
         let others: Vec<&'static Effect> = others.chain(nuisances(self.vocabulary)).collect();
         let found = match self.around_nominal.filter(|_| self.entries() == 1) {
             Some(around_nominal) => around_nominal.extended(self.problem, &others),
-            None => Around::new(without, &others).extended(self.problem, &others),
+            None => self.with_the_others_as_they_are(at, without, &others).extended(self.problem, &others),
         };
         let floor = without.assessed.refitted.log_likelihood;
         let rival = |(one, odds): (Refitted, Odds)| {
@@ -140,6 +145,14 @@ impl<'a> Neighbourhood<'a> {
             (relevant && p_value(&rival.assessed, last, rise, odds) < LEVEL_OF_A_STEP).then_some(rival)
         };
         found.into_iter().take(REFITTED).filter_map(rival).collect()
+    }
+
+    /// The best without an entry, the others at their values in it: refitted alone they have taken over what they can of it, and
+    /// from there no step may lead to a rival that shares it with them otherwise.
+    fn with_the_others_as_they_are(&self, at: usize, without: &Step, vocabulary: &[&'static Effect]) -> Around {
+        let hypothesis = self.best.assessed.refitted.hypothesis.without(at);
+        let as_they_are = refit(self.problem, &hypothesis, &without.assessed.refitted.noise, 0);
+        Around::new(as_they_are.as_ref().unwrap_or(&without.assessed.refitted), vocabulary)
     }
 
     /// The rival that is gone on from: a simpler one that these recordings do not tell from the best, else one that is certainly

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::time::Duration;
 
-use conceal::plan::{Arm, ROUND, Version, plan};
+use conceal::plan::{Arm, ROUND, Version, plan, plan_of_steps};
 use conceal::subject;
 
 use super::Overwrite;
@@ -19,7 +19,8 @@ use crate::{Error, output};
 /// Flags of `prove`.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// How seeds are read: `fixed` has one machine and lists of effects, `drawn` draws machines, effects and sizes.
+    /// How seeds are read: `fixed` has one machine and lists of effects, `drawn` draws machines, effects and sizes, `steps` has the
+    /// paper's own experiment, single steps under a delayed fluid.
     #[arg(long, value_name = "PLAN", default_value = "drawn")]
     plan: Version,
     /// First seed; below 10000 for tuning, from 20000 for a score.
@@ -34,7 +35,7 @@ pub struct Args {
     /// Only these arms; separated by commas.
     #[arg(long, value_delimiter = ',')]
     arm: Vec<Arm>,
-    /// Only cases that conceal one of these effects, of the fixed plan; separated by commas.
+    /// Only cases that conceal one of these effects, of the fixed plan or of steps; separated by commas.
     #[arg(long, value_name = "ID", value_delimiter = ',')]
     effect: Vec<String>,
     /// Only two cases of each arm.
@@ -265,6 +266,7 @@ impl Args {
         let round = match self.plan {
             Version::Fixed => plan().len() as u64,
             Version::Drawn => ROUND,
+            Version::Steps => plan_of_steps().len() as u64,
         };
         let mut seeds = Vec::new();
         for seed in self.first..self.first.saturating_add(self.count.unwrap_or(round)) {

@@ -21,6 +21,7 @@ use self::lost::Lost;
 use self::stretches::stretches;
 pub use self::whitened::Whitened;
 use crate::Error;
+use crate::asked::{likelier, recorded};
 use crate::progress::Stages;
 use crate::propose::{self, Limits, Proposal};
 use crate::read::vocabulary::CONTROLLER;
@@ -167,8 +168,12 @@ fn problem(machine: &Machine, request: &Request<'_>, files: &[&Recording], notes
     let read = stretches(files, notes);
     let names: Vec<&str> = read.iter().map(|file| file.name.as_str()).collect();
     let nominal = Physics::nominal(machine, &names);
-    let recorded = read.iter().map(Recorded::new).collect();
     let linear = machine.axis.kind == AxisKind::Linear;
-    let problem = Problem::new(nominal, recorded, request.recordings.len(), machine.axis.resolution, linear);
-    problem.sampled(machine.axis.sample_period_s)
+    let of = |recorded: Vec<Recorded>| {
+        let problem =
+            Problem::new(nominal.clone(), recorded, request.recordings.len(), machine.axis.resolution, linear);
+        problem.sampled(machine.axis.sample_period_s)
+    };
+    let columns = of(read.iter().map(Recorded::new).collect());
+    likelier(columns, of(read.iter().map(|file| recorded(machine, file)).collect()))
 }

@@ -20,6 +20,11 @@ fn one(name: &'static str, id: &str) -> Contender {
     Contender { name, starts: STARTS_S.iter().map(|&delay_s| hypothesis(&[(id, delay_s)])).collect() }
 }
 
+/// Where the fits of a late coefficient of viscosity begin.
+pub(crate) fn late_viscosities() -> Vec<Hypothesis> {
+    ["viscosity_dead_time", "viscosity_lag"].iter().flat_map(|id| one("Q", id).starts).collect()
+}
+
 /// What a model is where some of its delays are zero. A delayed viscosity without its delay is no field without one: its drag
 /// Q |w| vanishes at rest, where a E^2 + b E holds.
 pub(super) fn special_cases(name: &str) -> &'static [&'static str] {

@@ -13,14 +13,15 @@ use diagnosis::physics::Physics;
 use diagnosis::problem::Problem;
 use diagnosis::ranking::{Contender, Ranked, rank};
 use diagnosis::recorded::Recorded;
-use er_servo::Params;
 use plant::{FieldResponse, FluidResponse};
 use serde::Serialize;
 
 use crate::Error;
+use crate::asked::recorded;
 use crate::read::vocabulary;
-use crate::read::{AxisKind, Machine, Mode, Recording};
+use crate::read::{AxisKind, Machine, Recording};
 
+pub(crate) use contenders::late_viscosities;
 pub use figure::figure;
 pub use plan::{Plan, Simulated};
 use standing::Standing;
@@ -158,25 +159,6 @@ fn problem(request: &Request<'_>) -> Result<Problem, Error> {
         )));
     }
     Ok(problem)
-}
-
-/// A recording with the coefficient of viscosity that the law asked for. At rest it is finite and the field is zero, so field and
-/// speed do not tell it; what the fluid does when the rotor starts, a dead time later, hangs on it.
-fn recorded(machine: &Machine, file: &Recording) -> Recorded {
-    let mut recorded = Recorded::new(file);
-    let (Some(config), Some(modes), Some(speeds)) = (&machine.controller, &file.mode, &file.velocity) else {
-        return recorded;
-    };
-    // A law with values that are not allowed asked for nothing that is known.
-    let Ok(params) = Params::new(config) else { return recorded };
-    for ((command, mode), speed_rad_s) in recorded.commands.iter_mut().zip(modes).zip(speeds) {
-        command.viscosity = match mode {
-            Mode::Off => Some(0.0),
-            Mode::Damper => Some(f64::from(params.viscosity_nm_s_rad(*speed_rad_s as f32))),
-            Mode::Brake => None,
-        };
-    }
-    recorded
 }
 
 /// A contender that begins at what was fitted.

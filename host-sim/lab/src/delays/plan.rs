@@ -12,6 +12,7 @@ use serde::Serialize;
 use super::contenders::special_cases;
 use super::standing::Standing;
 use crate::Error;
+use crate::asked::recorded;
 use crate::read::Machine;
 use crate::simulate::{Reference, Row, Setup, period_s, record, run};
 
@@ -140,7 +141,7 @@ impl<'a> Simulated<'a> {
     /// The recording of such a run, its positions in the steps of the machine's own sensor where those are coarser.
     fn problem(&self, rows: &[Row]) -> Problem {
         let step = self.machine.axis.resolution;
-        let mut recorded = super::recorded(self.machine, &record("planned", rows));
+        let mut recorded = recorded(self.machine, &record("planned", rows));
         if step > f64::from(er_servo::RAD_PER_COUNT) * 1.01 {
             recorded.position.iter_mut().for_each(|position| *position = (*position / step).round() * step);
         }

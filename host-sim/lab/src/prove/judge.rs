@@ -218,7 +218,8 @@ impl Outcome {
     pub fn is_right(&self) -> bool {
         if nameable(&self.truth) {
             let named = self.exact && self.verdict == Verdict::Named;
-            named || self.arm() == Arm::Poor && self.verdict == Verdict::Ambiguous && self.listed
+            let may_be_open = matches!(self.arm(), Arm::Poor | Arm::Steps);
+            named || may_be_open && self.verdict == Verdict::Ambiguous && self.listed
         } else {
             self.abstained_right
         }

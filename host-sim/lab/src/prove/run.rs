@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use conceal::case::{EXPERIMENT, FITTED, HELD_OUT, MACHINE};
+use conceal::case::{EXPERIMENT, HELD_OUT, MACHINE};
 use conceal::plan::{Arm, Version};
 use conceal::subject::Subject;
 use rayon::prelude::*;
@@ -166,7 +166,7 @@ fn case(case: &Subject, settings: &Settings) -> Result<Outcome, Error> {
     let removed = if truth.arm == Arm::Removed { effects.clone() } else { Vec::new() };
     let question = Question {
         machine: MACHINE,
-        recordings: FITTED.to_vec(),
+        recordings: case.fitted().to_vec(),
         holdout: vec![HELD_OUT],
         without: removed,
         ..Question::default()
@@ -182,7 +182,7 @@ fn case(case: &Subject, settings: &Settings) -> Result<Outcome, Error> {
         outcome.heldout_over_oracle = errors.map(|(found, best)| found / best).filter(|ratio| ratio.is_finite());
     }
     if settings.rivals {
-        outcome.rivals = rivals::answers(&folder, MACHINE, &FITTED, HELD_OUT, truth)?;
+        outcome.rivals = rivals::answers(&folder, MACHINE, case.fitted(), HELD_OUT, truth)?;
     }
     if !is_kept {
         // What an earlier run kept stays. Recordings come back from the seed; failing to remove them loses nothing.

@@ -8,7 +8,7 @@ use std::collections::BTreeSet;
 use std::f64::consts::TAU;
 use std::path::Path;
 
-use conceal::case::{FITTED, HELD_OUT, MACHINE};
+use conceal::case::{HELD_OUT, MACHINE};
 use conceal::subject::Subject as Case;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -85,9 +85,9 @@ pub fn run(data: &Path, settings: &Settings, asked: &Asked) -> Result<(Vec<Follo
     for &seed in &asked.seeds {
         let folder = out.join("cases").join(seed.to_string());
         output::folder(&folder)?;
-        let made = Case::draw(settings.plan, seed).and_then(|case| case.write(&folder));
+        let made = Case::draw(settings.plan, seed).and_then(|case| case.write(&folder).map(|()| case.fitted()));
         match made {
-            Ok(()) => subjects.push((format!("seed-{seed}"), subject_of(&folder, MACHINE, &FITTED, HELD_OUT)?)),
+            Ok(fitted) => subjects.push((format!("seed-{seed}"), subject_of(&folder, MACHINE, fitted, HELD_OUT)?)),
             Err(error) => skipped.push(format!("seed {seed} skipped: {error}")),
         }
     }
