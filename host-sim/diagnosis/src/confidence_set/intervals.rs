@@ -100,6 +100,8 @@ impl Assessed {
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::unwrap_used)]
+
     use nalgebra::{DMatrix, DVector};
     use plant::sensor::TorqueNoise;
 

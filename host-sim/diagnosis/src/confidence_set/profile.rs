@@ -66,7 +66,7 @@ fn stretch(problem: &Problem, best: &Assessed, slopes: &[f64], sign: f64) -> f64
     for _ in 0..TRIES {
         let Some(fall) = fall(problem, best, &(&way * stretch)).filter(|_| !problem.is_spent()) else { return stretch };
         let next = stretch * (expected / fall.max(f64::MIN_POSITIVE)).sqrt();
-        stretch = next.max(1.0).min(MOST_STRETCHED);
+        stretch = if next.is_nan() { stretch } else { next.clamp(1.0, MOST_STRETCHED) };
     }
     stretch
 }
