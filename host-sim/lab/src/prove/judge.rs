@@ -1,14 +1,16 @@
 //! The answer against the opened seal.
 
+mod places;
+
 use std::collections::BTreeSet;
 use std::f64::consts::TAU;
 
-use conceal::case::FITTED;
 use conceal::plan::Arm;
 use conceal::seal::{Concealed, Truth};
 use serde::{Deserialize, Serialize};
 
-use super::answer::{Answer, Verdict};
+use self::places::{located, region_right};
+use super::answer::{Answer, Named, Verdict};
 
 /// One parameter of a rightly named effect.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -110,17 +112,36 @@ fn concealed(truth: &Truth) -> BTreeSet<&str> {
 /// Kinds that were outside the vocabulary when a plan was made, and the effects that are the same law now.
 const NAMED_SINCE: [(&str, &str); 1] = [("friction_by_load", "load_dependent_friction")];
 
-/// What an answer may name without being wrong: what was concealed, and what stands for the log or the noise of a drawn machine.
-/// Under a name that was taken out, or never was, nothing is.
-fn there(truth: &Truth, id: &str) -> bool {
-    let beside = || truth.machine.iter().flat_map(|machine| &machine.beside).any(|other| other == id);
-    let since = || NAMED_SINCE.iter().any(|(kind, effect)| concealed(truth).contains(kind) && *effect == id);
-    nameable(truth) && concealed(truth).contains(id) || since() || beside()
+/// Orders over position that differ by less are one: neighbours up to the fiftieth are told apart.
+const SAME_ORDER: f64 = 0.02;
+
+/// Whether an answer's effect is the concealed one and not another of its kind, as a ripple of the noise is beside a cogging.
+fn is_it(concealed: &Concealed, named: &Named) -> bool {
+    let same = |(id, order): &(String, f64)| {
+        let found = named.parameters.iter().find(|parameter| parameter.id == *id).and_then(|parameter| parameter.value);
+        !id.starts_with("order_per_") || found.is_none_or(|found| (found - order).abs() <= SAME_ORDER * order.abs())
+    };
+    concealed.id == named.id && concealed.parameters.iter().all(same)
+}
+
+fn is_concealed(truth: &Truth, named: &Named) -> bool {
+    truth.effects.iter().any(|effect| is_it(effect, named))
+}
+
+/// What stands for the log or the noise of a drawn machine, or for a kind that has a name since.
+fn beside(truth: &Truth, id: &str) -> bool {
+    let of_log = || truth.machine.iter().flat_map(|machine| &machine.beside).any(|other| other == id);
+    NAMED_SINCE.iter().any(|(kind, effect)| concealed(truth).contains(kind) && *effect == id) || of_log()
+}
+
+/// Whether an answer may name it without being wrong. Under a name that was taken out, or never was, nothing concealed is there.
+fn there(truth: &Truth, named: &Named) -> bool {
+    nameable(truth) && is_concealed(truth, named) || beside(truth, &named.id)
 }
 
 /// `named` with a first effect that is not there.
 fn confidently_wrong(truth: &Truth, answer: &Answer) -> bool {
-    answer.verdict == Verdict::Named && answer.effects.first().is_some_and(|first| !there(truth, &first.id))
+    answer.verdict == Verdict::Named && answer.effects.first().is_some_and(|first| !there(truth, first))
 }
 
 /// Whether the answer names nothing by the verdict that is right; of a log with ripple or skew, whose machine misses nothing, nothing
@@ -133,18 +154,18 @@ fn abstains(truth: &Truth, answer: &Answer) -> bool {
     };
     let only_beside = right == Verdict::None
         && matches!(answer.verdict, Verdict::Named | Verdict::Partial)
-        && answer.effects.iter().all(|effect| there(truth, &effect.id));
+        && answer.effects.iter().all(|effect| there(truth, effect));
     answer.verdict == right || only_beside
 }
 
 /// `partial` with a first effect that is not there.
 fn partly_wrong(truth: &Truth, answer: &Answer) -> bool {
-    answer.verdict == Verdict::Partial && answer.effects.first().is_some_and(|first| !there(truth, &first.id))
+    answer.verdict == Verdict::Partial && answer.effects.first().is_some_and(|first| !there(truth, first))
 }
 
 /// `named` with any effect that is not there.
 fn strays(truth: &Truth, answer: &Answer) -> bool {
-    answer.verdict == Verdict::Named && answer.effects.iter().any(|effect| !there(truth, &effect.id))
+    answer.verdict == Verdict::Named && answer.effects.iter().any(|effect| !there(truth, effect))
 }
 
 /// Smallest size that a drawn case asks to be found, over the detectable one: what is found in half of the cases is asked of none.
@@ -174,20 +195,19 @@ impl Outcome {
     pub fn of(truth: Truth, hash: String, answer: &Answer, seconds: f64) -> Self {
         let named = names(answer);
         let equivalent: Vec<String> = answer.effects.iter().flat_map(|effect| effect.equivalent.clone()).collect();
-        let concealed = concealed(&truth);
-        let found: BTreeSet<&str> = named.iter().map(String::as_str).collect();
         // What belongs to the log is no effect of the machine, concealed or not.
-        let own: BTreeSet<&str> =
-            found.iter().copied().filter(|id| concealed.contains(id) || !there(&truth, id)).collect();
-        let hinted = |id: &&str| found.contains(id) || equivalent.iter().any(|other| other == id);
+        let right = |effect: &Named| is_concealed(&truth, effect);
+        let own: Vec<&Named> =
+            answer.effects.iter().filter(|effect| right(effect) || !beside(&truth, &effect.id)).collect();
+        let found = |one: &Concealed| answer.effects.iter().any(|effect| is_it(one, effect));
+        let hinted = |one: &Concealed| found(one) || equivalent.contains(&one.id);
         let nameable = nameable(&truth);
         let over_floor =
             answer.fit.heldout_after_rms.zip(answer.fit.noise_floor_rms).map(|(after, floor)| after / floor);
         Self {
-            exact: nameable && concealed == own,
-            first_right: nameable
-                && named.iter().find(|id| own.contains(id.as_str())).is_some_and(|id| concealed.contains(id.as_str())),
-            listed: nameable && concealed.iter().all(hinted),
+            exact: nameable && own.iter().all(|effect| right(effect)) && truth.effects.iter().all(found),
+            first_right: nameable && own.first().is_some_and(|effect| right(effect)),
+            listed: nameable && truth.effects.iter().all(hinted),
             confidently_wrong: confidently_wrong(&truth, answer),
             stray: strays(&truth, answer),
             partial_wrong: partly_wrong(&truth, answer),
@@ -250,7 +270,7 @@ impl Outcome {
 }
 
 fn intervals(concealed: &Concealed, answer: &Answer) -> Vec<Interval> {
-    let Some(effect) = answer.effects.iter().find(|effect| effect.id == concealed.id) else { return Vec::new() };
+    let Some(effect) = answer.effects.iter().find(|effect| is_it(concealed, effect)) else { return Vec::new() };
     let one = |(id, truth): &(String, f64)| {
         let found = effect.parameters.iter().find(|parameter| parameter.id == *id)?;
         let (value, low, high) = (found.value?, found.low?, found.high?);
@@ -261,49 +281,6 @@ fn intervals(concealed: &Concealed, answer: &Answer) -> Vec<Interval> {
         Some(Interval { parameter, truth, value, low, high, holds: low <= truth && truth <= high })
     };
     concealed.parameters.iter().filter_map(one).collect()
-}
-
-/// An event's place in time: a push in the first recording.
-fn located(truth: &Truth, answer: &Answer) -> Option<f64> {
-    let push = truth.effects.iter().find(|effect| effect.id == "disturbance_pulse")?;
-    let value = |id: &str| push.parameters.iter().find(|(name, _)| name == id).map(|(_, value)| *value);
-    let start_s = value("start_s")?;
-    let end_s = start_s + value("duration_s")?;
-    let spans = answer.locations.iter().filter(|span| span.recording.ends_with(FITTED[0]));
-    let covered = spans.map(|span| {
-        let both = span.end_s.min(end_s) - span.start_s.max(start_s);
-        (both / (span.end_s.max(end_s) - span.start_s.min(start_s))).max(0.0)
-    });
-    Some(covered.fold(0.0, f64::max))
-}
-
-/// Channels an effect depends on, by the start of their names.
-fn channels(id: &str) -> &'static [&'static str] {
-    match id {
-        "cogging"
-        | "gravity_load"
-        | "spring_load"
-        | "nonlinear_spring"
-        | "friction_over_position"
-        | "resolver_eccentricity" => &["position"],
-        "viscous_friction" | "stribeck_friction" | "quadratic_drag" | "coulomb_friction" | "friction_asymmetry"
-        | "stiction_by_rest" | "presliding" => &["speed", "velocity"],
-        "field_gain"
-        | "er_strength"
-        | "field_slew_limit"
-        | "field_leakage"
-        | "field_lag"
-        | "field_dead_time"
-        | "field_lag_asymmetry" => &["field", "since_field"],
-        _ => &[],
-    }
-}
-
-fn region_right(truth: &Truth, answer: &Answer) -> Option<bool> {
-    let [effect] = &truth.effects[..] else { return None };
-    let expected = channels(&effect.id);
-    let first = answer.regions.first().filter(|_| !expected.is_empty())?;
-    Some(expected.iter().any(|channel| first.channel.starts_with(channel)))
 }
 
 #[cfg(test)]
@@ -339,6 +316,19 @@ mod tests {
         assert_eq!((right.region_right, right.heldout_over_floor), (Some(true), Some(1.1)));
         let outside = judged(Arm::Single, "gravity_load", &[("phase_rad", 2.0)], &answer("named", "gravity_load", ""));
         assert!(!outside.intervals[0].holds);
+    }
+
+    #[test]
+    fn another_order_is_another_cogging() {
+        let text = serde_json::to_string(&serde_json::json!({"schema": 1, "verdict": "named", "effects": [{"id": "cogging", "text": "",
+            "equivalent": [], "parameters": [{"id": "order_per_rev", "value": 36, "low": 36, "high": 36, "unit": "1/rev"}]}]}))
+        .unwrap();
+        let answer: Answer = serde_json::from_str(&text).unwrap();
+        for (order, is_it) in [(36.0, true), (12.0, false)] {
+            let judged = judged(Arm::Single, "cogging", &[("order_per_rev", order)], &answer);
+            assert_eq!([judged.exact, judged.first_right, judged.listed, !judged.confidently_wrong], [is_it; 4]);
+            assert_eq!(judged.intervals.len(), usize::from(is_it));
+        }
     }
 
     #[test]
