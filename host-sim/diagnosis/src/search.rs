@@ -214,7 +214,7 @@ fn not_taken(problem: &Problem, from: &Step, to: Refitted, odds: Odds) -> Option
 /// Whether an effect that brings this much less is part of what is missing: what brings the motion no nearer is not, nor what changes
 /// samples and no motion by less than is relevant.
 fn is_part_of_it(effect: &Effect, gain: f64) -> bool {
-    gain > 0.0 && (!effect.parameter(0).searched || gain >= SMALLEST_GAIN)
+    gain > 0.0 && (!effect.changes_samples_only() || gain >= SMALLEST_GAIN)
 }
 
 /// The step to a hypothesis with one entry more, if it is worth it.
@@ -235,7 +235,7 @@ fn worth(problem: &Problem, from: &Step, to: &Refitted, odds: Odds) -> Option<(S
 /// What an entry brings to the windows: those that judge, or those around an event.
 fn gain(problem: &Problem, with: &Step, without: &Step, entry: usize) -> f64 {
     let entry = &with.assessed.refitted.hypothesis.entries[entry];
-    if entry.effect.parameter(0).searched {
+    if entry.effect.changes_samples_only() {
         // What changes samples and no motion shows in no window: the fall of the innovations' typical size instead.
         let rise = with.assessed.refitted.log_likelihood - without.assessed.refitted.log_likelihood;
         return 1.0 - (-rise / problem.residuals().max(1) as f64).exp();

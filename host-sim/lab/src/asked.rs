@@ -30,8 +30,12 @@ pub(crate) fn recorded(machine: &Machine, file: &Recording) -> Recorded {
 
 /// Of the recordings as their columns have them and as [`recorded`] reads them, those of which a late viscosity is likelier: a fluid
 /// may be late in what the law asks for or in what the field makes of it, and at rest these differ.
-pub(crate) fn likelier(columns: Problem, asked: Problem) -> Problem {
-    if columns.excitation.field_peak <= 0.0 || columns.recordings == asked.recordings {
+pub(crate) fn likelier(columns: Problem, asked: impl FnOnce() -> Problem) -> Problem {
+    if columns.excitation.field_peak <= 0.0 {
+        return columns;
+    }
+    let asked = asked();
+    if columns.recordings == asked.recordings {
         return columns;
     }
     let noise = first_noise(&columns);

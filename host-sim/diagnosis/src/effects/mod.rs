@@ -255,6 +255,11 @@ impl Effect {
         self.parameters[index.min(self.parameters.len() - 1)]
     }
 
+    /// Whether it changes samples and no motion: no derivative of the innovations tells its values.
+    pub fn changes_samples_only(&self) -> bool {
+        self.parameter(0).searched
+    }
+
     /// Bounds and scale of each value on a machine.
     pub fn ranges(&self, count: usize, physics: &Physics, excitation: &Excitation) -> Vec<Range> {
         let range = |index| {

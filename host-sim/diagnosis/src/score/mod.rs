@@ -154,7 +154,7 @@ fn candidate(
     values: Vec<f64>,
 ) -> Option<Candidate> {
     // No column tells what changes samples and no motion, or what a memory makes of a motion.
-    if effect.parameter(0).searched || effect.remembers {
+    if effect.changes_samples_only() || effect.remembers {
         let other = hypothesis.with(effect, values.clone());
         let found = evaluate(problem, &other.physics(&problem.nominal), &path.noise, problem.fitted)?.fitted(problem);
         return Some(Candidate::new(effect, values.clone(), values, found - path.log_likelihood()));

@@ -175,5 +175,5 @@ fn problem(machine: &Machine, request: &Request<'_>, files: &[&Recording], notes
         problem.sampled(machine.axis.sample_period_s)
     };
     let columns = of(read.iter().map(Recorded::new).collect());
-    likelier(columns, of(read.iter().map(|file| recorded(machine, file)).collect()))
+    likelier(columns, || of(read.iter().map(|file| recorded(machine, file)).collect()))
 }

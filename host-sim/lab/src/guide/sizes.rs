@@ -70,7 +70,7 @@ mod tests {
         let excitation =
             Excitation { field_peak: 3.5, recordings: 1, travel: 1.8, speed_peak: 8.0, ..Excitation::default() };
         let can_have = VOCABULARY.iter().filter(|effect| (effect.applies)(&guide.nominal, &excitation));
-        let shown = can_have.filter(|effect| !effect.once && !effect.parameter(0).searched);
+        let shown = can_have.filter(|effect| !effect.once && !effect.changes_samples_only());
         let shown: Vec<&str> = shown.map(|effect| effect.id).collect();
         assert_eq!(shown, SIZES.iter().map(|sized| sized.id).collect::<Vec<_>>());
     }
