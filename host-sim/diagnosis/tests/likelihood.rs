@@ -14,6 +14,7 @@ use diagnosis::search::{first_noise, nominal};
 use diagnosis::verdict::Verdict;
 use diagnosis::windows::WindowFit;
 use plant::Model;
+use plant::effects::Harmonic;
 use plant::effects::Shaft;
 
 const SECONDS: f64 = 4.0;
@@ -126,14 +127,18 @@ fn without_a_torque_every_figure_of_the_answer_is_a_number() {
     }
 }
 
+/// However sure it is: an amplitude has the size of the sine and cosine that it is fitted by.
 #[test]
-fn a_value_whose_interval_holds_the_nominal_one_is_not_away_from_it() {
-    for (viscous, away) in [(0.0, false), (0.03, true)] {
-        let problem = problem(machine(), &Model { viscous, ..machine() }, 0.02);
-        let start = Hypothesis::default().with(find("viscous_friction").unwrap(), vec![0.01]);
+fn what_is_smaller_than_relevant_is_not_away_from_the_nominal_value() {
+    for (amplitude, away) in [(1e-3, false), (2e-2, true)] {
+        let cogging = vec![Harmonic { amplitude, order: 7.0, phase_rad: 0.4 }];
+        let making = Making { torque, noise_nm: 1e-3, step_rad: 1e-7, ..PLAIN };
+        let problem = made(making, machine(), &Model { cogging, ..machine() });
+        let start = Hypothesis::default().with(find("cogging").unwrap(), vec![7.0, 0.0, 0.0]);
         let found = assess(&problem, refit(&problem, &start, &first_noise(&problem), 10).unwrap()).unwrap();
-        let values = intervals(&found, 0);
-        assert_eq!(found.away_from_neutral(&problem, 0), away, "{viscous}: {values:?}");
+        let value = intervals(&found, 0)[0];
+        assert!(0.9 * amplitude < value.low && value.high < 1.1 * amplitude, "{value:?}");
+        assert_eq!(found.away_from_neutral(&problem, 0), away, "{amplitude}");
     }
 }
 

@@ -88,12 +88,16 @@ impl Assessed {
         let effect = entry_at.effect;
         let neutral = (effect.neutral)(&problem.nominal);
         let ranges = effect.ranges(entry_at.values.len(), &problem.nominal, &problem.excitation);
-        let found = intervals(self, entry);
+        let (found, slopes) = (intervals(self, entry), slopes(self, entry));
+        let places = self.refitted.hypothesis.free();
+        // What a typical change of the fitted values makes of a reported one: of an amplitude, that of its sine and cosine.
+        let typical = |at: usize| {
+            let of = places.iter().zip(&slopes[at]).filter(|((of, _), _)| *of == entry);
+            of.map(|((_, index), slope)| (slope * ranges[*index].scale).powi(2)).sum::<f64>().sqrt()
+        };
         effect.leading.iter().filter_map(|&at| Some((at, found.get(at)?))).any(|(at, one)| {
-            // A value that is fitted by steps of a typical change, and reported as it is fitted, has a size to be measured by.
-            let same = entry_at.values.get(at) == Some(&one.value) && effect.parameter(at).free;
-            let least = if same { SMALLEST_SIZE * ranges[at].scale } else { 0.0 };
-            !(one.low <= neutral && neutral <= one.high) && (one.value - neutral).abs() >= least
+            let relevant = (one.value - neutral).abs() >= SMALLEST_SIZE * typical(at);
+            relevant && !(one.low <= neutral && neutral <= one.high)
         })
     }
 }
