@@ -157,6 +157,14 @@ impl Problem {
         found
     }
 
+    /// The same for a part that others do not wait for: whether it ended before its share did, and what is found either way.
+    pub(crate) fn sharing<T>(&self, share: u64, part: impl FnOnce(&Self) -> T) -> (T, bool) {
+        let own = self.allowing(share);
+        let found = part(&own);
+        self.work.spend(own.work());
+        (found, !own.was_cut())
+    }
+
     /// Counts work done, in substeps of three states.
     pub(crate) fn spend(&self, substeps: usize) {
         self.work.spend(substeps as u64);
@@ -167,9 +175,14 @@ impl Problem {
     pub(crate) fn is_spent(&self) -> bool {
         let spent = self.work.left() == 0;
         if spent {
-            self.work.cut();
+            self.note_cut();
         }
         spent
+    }
+
+    /// Notes that something was left out because of the work it would have been.
+    pub(crate) fn note_cut(&self) {
+        self.work.cut();
     }
 
     /// Work that is left, in substeps of three states.

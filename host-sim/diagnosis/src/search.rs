@@ -12,7 +12,7 @@ use crate::likelihood::Noise;
 use crate::problem::Problem;
 
 pub use around::Odds;
-use around::{Around, NOT_YET, freedom};
+use around::{Around, Extended, NOT_YET, freedom};
 use neighbourhood::Neighbourhood;
 
 /// Most effects of one hypothesis: twice what the hardest case of the proof conceals.
@@ -30,8 +30,8 @@ pub struct Found {
     pub nominal: Step,
     /// The best.
     pub best: Step,
-    /// Entries of the best, from the first, whose rivals were looked at; all of them unless the budget of work ended it.
-    pub looked_at: usize,
+    /// For each entry of the best whether all its rivals were looked at, and not what the budget of work left of them.
+    pub looked_at: Vec<bool>,
     /// For each entry of the best its p-value, corrected for all that was tried, and the gain of its windows.
     pub evidence: Vec<(f64, f64)>,
     /// Hypotheses beside the best.
@@ -46,7 +46,9 @@ impl Found {
         if entry < self.evidence.len() {
             self.evidence.remove(entry);
         }
-        self.looked_at -= usize::from(entry < self.looked_at);
+        if entry < self.looked_at.len() {
+            self.looked_at.remove(entry);
+        }
         self.rivals.retain(|rival| rival.place != entry);
         for rival in self.rivals.iter_mut().filter(|rival| rival.place > entry) {
             rival.place -= 1;
@@ -124,17 +126,18 @@ fn first(problem: &Problem, nominal: &Step, vocabulary: &[&'static Effect]) -> O
 pub fn search(problem: &Problem, vocabulary: &[&'static Effect]) -> Option<Found> {
     let nominal = Step::new(problem, nominal(problem)?)?;
     let all: Vec<&'static Effect> = vocabulary.iter().copied().chain(nuisances(vocabulary)).collect();
-    let around_nominal = Around::new(&nominal.assessed.refitted, &all);
+    let mut around_nominal = Around::new(&nominal.assessed.refitted, &all);
     let allowed = problem.left() / 5 * 2;
-    let mut ends = vec![problem.within(allowed, |own| forward(own, vocabulary, nominal.clone(), &around_nominal))];
+    let mut ends = vec![problem.within(allowed, |own| forward(own, vocabulary, nominal.clone(), &mut around_nominal))];
     if let Some(first) = first(problem, &nominal, vocabulary) {
-        let around_first = Around::new(&first.assessed.refitted, vocabulary);
-        ends.push(problem.within(allowed, |own| forward(own, vocabulary, first, &around_first)));
+        let mut around_first = Around::new(&first.assessed.refitted, vocabulary);
+        ends.push(problem.within(allowed, |own| forward(own, vocabulary, first, &mut around_first)));
     }
     let mut end = ends.into_iter().max_by(|a, b| priced(problem, &a.best).total_cmp(&priced(problem, &b.best)))?;
     // A memory of the noise is looked for when nothing is missing that it would stand in for.
     let Some(coloured) = coloured(problem, &end.best) else {
-        let looked = |own: &Problem| Neighbourhood::new(own, vocabulary, &nominal, Some(&around_nominal), end).found();
+        let around = Some(&mut around_nominal);
+        let looked = |own: &Problem| Neighbourhood::new(own, vocabulary, &nominal, around, end).found();
         return Some(problem.within(problem.left(), looked));
     };
     let noise = &coloured.assessed.refitted.noise;
@@ -169,7 +172,7 @@ struct Forward {
 }
 
 /// From a hypothesis, and what is found around it.
-fn forward(problem: &Problem, vocabulary: &[&'static Effect], from: Step, around: &Around) -> Forward {
+fn forward(problem: &Problem, vocabulary: &[&'static Effect], from: Step, around: &mut Around) -> Forward {
     let mut best = from;
     let mut moved: Option<Around> = None;
     let began = best.assessed.refitted.hypothesis.entries.len();
@@ -179,9 +182,9 @@ fn forward(problem: &Problem, vocabulary: &[&'static Effect], from: Step, around
     let mut among: &[&'static Effect] = &lasting;
     let mut rejected = Vec::new();
     while best.assessed.refitted.hypothesis.entries.len() < MOST_EFFECTS + began && !problem.is_spent() {
-        let found = moved.as_ref().unwrap_or(around).extended(problem, among);
-        let begun = found.iter().take_while(|_| !problem.is_spent());
-        let taken = begun.into_iter().find_map(|(one, odds)| Some((worth(problem, &best, one, *odds)?, *odds)));
+        let found = moved.as_mut().unwrap_or(&mut *around).extended(problem, among);
+        let mut begun = found.iter().take_while(|_| !problem.is_spent());
+        let taken = begun.find_map(|one| Some((worth(problem, &best, &one.refitted, one.odds)?, one.odds)));
         match taken {
             Some(((next, taken), odds)) => {
                 tried.push(Odds { taken, ..odds });
@@ -190,7 +193,7 @@ fn forward(problem: &Problem, vocabulary: &[&'static Effect], from: Step, around
             }
             None if among.len() < vocabulary.len() => among = vocabulary,
             None => {
-                rejected = found.into_iter().filter_map(|(one, odds)| not_taken(problem, &best, one, odds)).collect();
+                rejected = found.into_iter().filter_map(|one| not_taken(problem, &best, one)).collect();
                 break;
             }
         }
@@ -199,7 +202,7 @@ fn forward(problem: &Problem, vocabulary: &[&'static Effect], from: Step, around
 }
 
 /// What a refit that was not taken would add, and whether that is certain.
-fn not_taken(problem: &Problem, from: &Step, to: Refitted, odds: Odds) -> Option<Rejected> {
+fn not_taken(problem: &Problem, from: &Step, Extended { refitted: to, odds, .. }: Extended) -> Option<Rejected> {
     let effect = to.hypothesis.entries.last()?.effect;
     let rise = to.log_likelihood - from.assessed.refitted.log_likelihood;
     let worth_it = rise > problem.price() * (freedom(&to) - freedom(&from.assessed.refitted));

@@ -12,7 +12,7 @@ pub use evaluate::{Evaluation, evaluate};
 pub(crate) use evaluate::{Kept, KeptRecording, kept};
 pub use noise_fit::{coloured_noise, noise_of};
 pub use refit::{Refitted, refit};
-pub(crate) use refit::{columns, ranges, variance_along};
+pub(crate) use refit::{columns, ranges, refit_under, variance_along};
 
 /// One effect with its values.
 #[derive(Debug, Clone, PartialEq)]

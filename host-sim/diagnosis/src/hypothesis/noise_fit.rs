@@ -64,6 +64,17 @@ fn coloured_one(problem: &Problem, physics: &Physics, index: usize, from: &Noise
     (top > excerpt.score(from) + (rows.max(2) as f64).ln()).then_some(found)
 }
 
+/// Log-likelihood that is worth another look at the same step.
+const RISEN: f64 = 0.5;
+/// A step over which the likelihood is a parabola: a quarter of a number's logarithm is off by a fiftieth at its top.
+const FINE_OCTAVES: f64 = 0.5;
+
+/// Where a parabola that is 0 at 0 and falls to `up` at 1 and to `down` at -1 has its top.
+fn top_of_parabola(up: f64, down: f64) -> f64 {
+    let bent = up + down;
+    if bent < 0.0 && bent.is_finite() { (0.5 * (down - up) / bent).clamp(-0.5, 0.5) } else { 0.0 }
+}
+
 /// The rows of a recording that its noise is estimated on, under one machine.
 struct Excerpt<'a> {
     problem: &'a Problem,
@@ -85,42 +96,56 @@ impl Excerpt<'_> {
         if sum.is_finite() { sum } else { f64::NEG_INFINITY }
     }
 
-    /// The likeliest noise near another, and its score.
+    /// The likeliest noise near another, and its score: along each number while the likelihood rises, in steps of 2^`octaves`, and where
+    /// it falls either way to the top of the parabolas through what was scored.
     fn likeliest(&self, from: Noise, octaves: f64) -> (Noise, f64) {
         let mut best = from;
         let mut top = self.score(&best);
         let mut step = octaves;
-        while step > 0.1 {
+        loop {
             let before = top;
+            let mut tops = Vec::new();
             for which in Which::of(&from) {
-                (best, top) = self.followed(best, top, *which, step);
+                let sides = self.followed(&mut best, &mut top, *which, step);
+                tops.extend(sides.map(|[up, down]| (*which, step * top_of_parabola(up - top, down - top))));
             }
-            if top - before < 0.5 {
-                step *= 0.5;
+            if top - before >= RISEN {
+                continue;
             }
+            let between = tops.iter().fold(best, |noise, (which, octaves)| self.changed(&noise, *which, *octaves));
+            let found = if between == best { top } else { self.score(&between) };
+            if found > top {
+                (best, top) = (between, found);
+            }
+            if step <= FINE_OCTAVES {
+                return (best, top);
+            }
+            step = (step / 4.0).max(FINE_OCTAVES);
         }
-        (best, top)
     }
 
-    /// Along one number of it, up or down: a direction that helps is followed in steps that double.
-    fn followed(&self, mut best: Noise, mut top: f64, which: Which, step: f64) -> (Noise, f64) {
-        for sign in [1.0, -1.0] {
+    /// Follows one number of it up or down, in steps that double, as long as that helps; the scores on both sides, one step up and one
+    /// down, where neither does.
+    fn followed(&self, best: &mut Noise, top: &mut f64, which: Which, step: f64) -> Option<[f64; 2]> {
+        let mut sides = [*top; 2];
+        for (side, sign) in sides.iter_mut().zip([1.0, -1.0]) {
             let mut along = sign * step;
-            let began = top;
+            let began = *top;
             loop {
-                let tried = self.changed(&best, which, along);
-                let found = if tried == best { top } else { self.score(&tried) };
-                if found <= top + 1e-3 {
+                let tried = self.changed(best, which, along);
+                let found = if tried == *best { *top } else { self.score(&tried) };
+                if found <= *top + 1e-3 {
+                    *side = found;
                     break;
                 }
-                (best, top) = (tried, found);
+                (*best, *top) = (tried, found);
                 along *= 2.0;
             }
-            if top > began {
-                break;
+            if *top > began {
+                return None;
             }
         }
-        (best, top)
+        Some(sides)
     }
 
     /// With a standard deviation, or a memory, larger by `octaves` powers of two.

@@ -55,34 +55,104 @@ impl Refitted {
 /// Log-likelihood below which a step has found nothing more: a hundredth of what any test asks for.
 const SETTLED: f64 = 0.05;
 
-/// Fits the free values from where they are, in at most `rounds` steps.
+/// Fits the free values, and the noise with them, from where they are, in at most `rounds` steps.
 pub fn refit(problem: &Problem, start: &Hypothesis, noise: &[Noise], rounds: usize) -> Option<Refitted> {
     let mut best = at(problem, start.clone(), noise.to_vec())?;
-    let mut damping = 1e-3;
-    for round in 0..rounds {
+    let mut damping = FIRST_DAMPING;
+    let mut estimated: Option<Estimated> = None;
+    for _ in 0..rounds {
         if problem.is_spent() {
             break;
         }
         let before = best.log_likelihood;
-        let many = best.hypothesis.told_by(problem);
-        let path = kept(problem, &best.hypothesis.physics(&problem.nominal), &best.noise, many)?;
-        if let Some((information, gradient)) = normal_equations(problem, &best.hypothesis, &path) {
-            best = descended(problem, best, &information, &gradient, &mut damping);
-        }
-        best = searched(problem, best);
+        best = stepped(problem, best, &mut damping)?;
         let gained = best.log_likelihood - before;
-        let octaves = if round == 0 { 1.0 } else { 0.5 };
-        let physics = best.hypothesis.physics(&problem.nominal);
-        let noise = noise_of(problem, &physics, &best.noise, octaves, 0..many);
-        if noise != best.noise {
-            let other = at(problem, best.hypothesis.clone(), noise)?;
-            best.take_likelier_noise(problem, other);
+        if estimated.as_ref().is_none_or(|then| then.is_off(problem, &Estimated::on(&best))) {
+            best = with_its_noise(problem, best)?;
+            estimated = Some(Estimated::on(&best));
         }
         if gained < SETTLED && best.log_likelihood - before < 10.0 * SETTLED {
             break;
         }
     }
     Some(best)
+}
+
+/// The same under noise that stays as it is.
+pub fn refit_under(problem: &Problem, start: &Hypothesis, noise: &[Noise], rounds: usize) -> Option<Refitted> {
+    let mut best = at(problem, start.clone(), noise.to_vec())?;
+    let mut damping = FIRST_DAMPING;
+    for _ in 0..rounds {
+        let before = best.log_likelihood;
+        if !problem.is_spent() {
+            best = stepped(problem, best, &mut damping)?;
+        }
+        if best.log_likelihood - before < SETTLED {
+            break;
+        }
+    }
+    Some(best)
+}
+
+/// Damping of the first step: next to none, for most starts are near.
+const FIRST_DAMPING: f64 = 1e-3;
+
+/// One step of the values, those that no derivative tells with the others.
+fn stepped(problem: &Problem, from: Refitted, damping: &mut f64) -> Option<Refitted> {
+    let many = from.hypothesis.told_by(problem);
+    let path = kept(problem, &from.hypothesis.physics(&problem.nominal), &from.noise, many)?;
+    let best = match normal_equations(problem, &from.hypothesis, &path) {
+        Some((information, gradient)) => descended(problem, from, &information, &gradient, damping),
+        None => from,
+    };
+    Some(searched(problem, best))
+}
+
+/// With the noise that goes with its values.
+fn with_its_noise(problem: &Problem, mut found: Refitted) -> Option<Refitted> {
+    let physics = found.hypothesis.physics(&problem.nominal);
+    let noise = noise_of(problem, &physics, &found.noise, 0.5, 0..found.hypothesis.told_by(problem));
+    if noise != found.noise {
+        let other = at(problem, found.hypothesis.clone(), noise)?;
+        found.take_likelier_noise(problem, other);
+    }
+    Some(found)
+}
+
+/// Log-likelihood that another estimate of the noise must promise: what the estimate itself is settled to.
+const PROMISED_BY_NOISE: f64 = 0.5;
+
+/// What the noise was estimated on.
+struct Estimated {
+    log_likelihood: f64,
+    /// Mean product of the whitened innovations with the slope of their loss, one a recording: one where a noise has no bounds.
+    scales: Vec<f64>,
+}
+
+impl Estimated {
+    fn on(found: &Refitted) -> Self {
+        let of = |innovations: &Innovations| {
+            let counted = innovations.whitened.iter().zip(&innovations.counted).filter(|(_, counted)| **counted);
+            let add = |(sum, many), size: f64| (sum + size * size.min(HUBER), many + 1.0);
+            let (sum, many) = counted.map(|(whitened, _)| whitened.abs()).fold((0.0, 0.0), add);
+            sum / f64::max(many, 1.0)
+        };
+        let scales = found.evaluation.innovations.iter().map(of).collect();
+        Self { log_likelihood: found.log_likelihood, scales }
+    }
+
+    /// Whether another estimate is worth its passes: a scale that is off by a share costs its square for every residual, and what a
+    /// model gains is such a share.
+    fn is_off(&self, problem: &Problem, now: &Self) -> bool {
+        let gained = now.log_likelihood - self.log_likelihood;
+        let of = |(index, (then, now)): (usize, (&f64, &f64))| {
+            let rows = problem.excerpts[index].iter().map(Range::len).sum::<usize>().max(1) as f64;
+            let off = 0.5 * (now - then);
+            let costs = rows * off * off + gained * gained / rows;
+            costs.is_nan() || costs >= PROMISED_BY_NOISE
+        };
+        self.scales.iter().zip(&now.scales).enumerate().any(of)
+    }
 }
 
 /// Steps that are tried before one that rises is given up, each with this many times the damping: from a full step to none.
@@ -99,7 +169,7 @@ fn descended(
     damping: &mut f64,
 ) -> Refitted {
     for _ in 0..DAMPED {
-        let Some((tried, promised)) = stepped(problem, &from.hypothesis, information, gradient, *damping) else {
+        let Some((tried, promised)) = moved_by(problem, &from.hypothesis, information, gradient, *damping) else {
             return from;
         };
         if promised < PROMISED {
@@ -285,7 +355,7 @@ fn normal_equations(problem: &Problem, hypothesis: &Hypothesis, path: &Kept) -> 
 }
 
 /// The values one step on, and the log-likelihood that the linear model promises.
-fn stepped(
+fn moved_by(
     problem: &Problem,
     hypothesis: &Hypothesis,
     information: &DMatrix<f64>,

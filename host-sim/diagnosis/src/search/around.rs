@@ -1,20 +1,19 @@
 //! What is scored and refitted around one hypothesis, each candidate once however often the search comes back to it.
 
-use std::sync::OnceLock;
-
 use rayon::prelude::*;
 
 use crate::effects::Effect;
-use crate::hypothesis::{Hypothesis, Refitted, kept, refit};
+use crate::hypothesis::{Hypothesis, Refitted, kept, refit, refit_under};
 use crate::problem::Problem;
 use crate::score::{Candidate, score};
 
 /// Effects that are refitted of all that are scored. The right one was among the first five in each of 66 tuning cases.
 pub(super) const REFITTED: usize = 5;
-/// Of these, how many are followed to their optimum.
-const FOLLOWED: usize = 3;
-/// Steps of a first refit, that ranks, and of one that goes to the optimum.
-const STEPS: [usize; 2] = [2, 10];
+/// Steps of a first refit, under the noise of the hypothesis that is extended: it ranks, for a noise of its own makes the better ones
+/// better still.
+const FIRST_STEPS: usize = 2;
+/// Steps of one that goes to the optimum.
+const STEPS: usize = 10;
 
 /// Among how many variants an effect was found, and how often chance has its start stand out.
 #[derive(Debug, Clone, Copy)]
@@ -33,84 +32,179 @@ pub(super) fn freedom(refitted: &Refitted) -> f64 {
     refitted.hypothesis.entries.iter().map(|entry| entry.effect.freedom(&entry.values)).sum::<usize>() as f64
 }
 
-/// A candidate with its refits, none where no pass is finite.
+/// A refit within its share of the work.
+#[derive(Default)]
+enum Trial {
+    #[default]
+    NotMade,
+    /// No pass is finite.
+    Impossible,
+    /// As near to its optimum as the search asks.
+    Ended(Refitted),
+    /// As near as its share of the work took it.
+    Begun(Refitted),
+}
+
+impl Trial {
+    fn refitted(&self) -> Option<&Refitted> {
+        match self {
+            Self::NotMade | Self::Impossible => None,
+            Self::Ended(refitted) | Self::Begun(refitted) => Some(refitted),
+        }
+    }
+
+    /// Begins, or goes on from where it came to.
+    fn go_on(
+        &mut self,
+        problem: &Problem,
+        share: u64,
+        begin: impl FnOnce(&Problem) -> Option<Refitted>,
+        on: impl FnOnce(&Problem, &Refitted) -> Option<Refitted>,
+    ) {
+        let (found, ended) = problem.sharing(share, |own| match self.refitted() {
+            None => begin(own),
+            Some(from) => on(own, from),
+        });
+        *self = match found {
+            None => Self::Impossible,
+            Some(refitted) if ended => Self::Ended(refitted),
+            Some(refitted) => Self::Begun(refitted),
+        };
+    }
+}
+
+/// A candidate with its refits.
 struct Tried {
     candidate: Candidate,
-    short: OnceLock<Option<Refitted>>,
-    followed: OnceLock<Option<Refitted>>,
+    short: Trial,
+    followed: Trial,
+}
+
+/// What one effect more makes of a hypothesis.
+pub(super) struct Extended {
+    pub(super) refitted: Refitted,
+    pub(super) odds: Odds,
+    /// Whether it is as near to its optimum as the search asks, and not as near as its share of the work took it.
+    pub(super) ended: bool,
+}
+
+impl Extended {
+    fn of(candidate: &Candidate, trial: &Trial) -> Option<Self> {
+        let refitted = trial.refitted()?.clone();
+        let odds = Odds { tries: candidate.tries, by_chance: candidate.by_chance, taken: NOT_YET };
+        let ended = !matches!(trial, Trial::Begun(_));
+        Some(Self { refitted, odds, ended })
+    }
 }
 
 /// A hypothesis with what is found around it.
 pub(super) struct Around {
     at: Refitted,
     vocabulary: Vec<&'static Effect>,
-    tried: OnceLock<Vec<Tried>>,
+    tried: Option<Vec<Tried>>,
 }
 
 impl Around {
     /// Of a hypothesis, for effects of that vocabulary. Nothing is computed before it is asked for.
     pub(super) fn new(at: &Refitted, vocabulary: &[&'static Effect]) -> Self {
-        Self { at: at.clone(), vocabulary: vocabulary.to_vec(), tried: OnceLock::new() }
+        Self { at: at.clone(), vocabulary: vocabulary.to_vec(), tried: None }
     }
 
     /// Candidates, best first.
-    fn tried(&self, problem: &Problem) -> &[Tried] {
-        self.tried.get_or_init(|| {
-            let physics = self.at.hypothesis.physics(&problem.nominal);
-            let path = kept(problem, &physics, &self.at.noise, problem.fitted);
-            let scored =
-                path.map(|path| score(problem, &self.at.hypothesis, &path, &self.vocabulary)).unwrap_or_default();
-            let tried = |candidate| Tried { candidate, short: OnceLock::new(), followed: OnceLock::new() };
-            scored.into_iter().map(tried).collect()
-        })
+    fn scored(&self, problem: &Problem) -> Vec<Tried> {
+        let physics = self.at.hypothesis.physics(&problem.nominal);
+        let path = kept(problem, &physics, &self.at.noise, problem.fitted);
+        let scored = path.map(|path| score(problem, &self.at.hypothesis, &path, &self.vocabulary)).unwrap_or_default();
+        let tried = |candidate| Tried { candidate, short: Trial::NotMade, followed: Trial::NotMade };
+        scored.into_iter().map(tried).collect()
     }
 
     /// The refits of the first few candidates among some effects, best first by likelihood with a price on each free value.
-    pub(super) fn extended(&self, problem: &Problem, among: &[&'static Effect]) -> Vec<(Refitted, Odds)> {
-        let starts = first_few(self.tried(problem), among);
-        if problem.is_spent() {
-            return Vec::new();
+    pub(super) fn extended(&mut self, problem: &Problem, among: &[&'static Effect]) -> Vec<Extended> {
+        let mut all = self.tried.take().unwrap_or_else(|| self.scored(problem));
+        let mut found = Vec::new();
+        if !problem.is_spent() {
+            let mut starts = first_few(&mut all, among);
+            self.refitted_short(problem, &mut starts);
+            let price = problem.price();
+            let rank = |one: &Refitted| one.log_likelihood - price * freedom(one);
+            let mut ranked: Vec<(f64, &mut Tried)> =
+                starts.into_iter().filter_map(|tried| Some((rank(tried.short.refitted()?), tried))).collect();
+            ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
+            let mut once: Vec<&'static str> = Vec::new();
+            ranked.retain(|(_, tried)| {
+                let id = tried.candidate.entry.effect.id;
+                let first = !once.contains(&id);
+                once.push(id);
+                first
+            });
+            let mut followed: Vec<&mut Tried> =
+                ranked.drain(..REFITTED.min(ranked.len())).map(|(_, tried)| tried).collect();
+            follow(problem, &mut followed);
+            found.extend(followed.iter().filter_map(|tried| Extended::of(&tried.candidate, &tried.followed)));
+            found.extend(ranked.iter().filter_map(|(_, tried)| Extended::of(&tried.candidate, &tried.short)));
+            found.sort_by(|a: &Extended, b| rank(&b.refitted).total_cmp(&rank(&a.refitted)));
         }
-        let price = problem.price();
-        let rank = |found: &mut Vec<(&Tried, &Refitted)>| {
-            let worth = |one: &Refitted| one.log_likelihood - price * freedom(one);
-            found.sort_by(|a, b| worth(b.1).total_cmp(&worth(a.1)));
-        };
-        // In parallel to compute, in order to collect.
-        let allowed = share(problem, starts.len());
-        starts.par_iter().for_each(|tried| {
-            tried.short.get_or_init(|| problem.within(allowed, |own| self.short(own, &tried.candidate)));
-        });
-        let mut found: Vec<(&Tried, &Refitted)> =
-            starts.iter().filter_map(|tried| Some((*tried, tried.short.get()?.as_ref()?))).collect();
-        rank(&mut found);
-        let mut once: Vec<&'static str> = Vec::new();
-        found.retain(|(tried, _)| {
-            let id = tried.candidate.entry.effect.id;
-            let first = !once.contains(&id);
-            once.push(id);
-            first
-        });
-        let rest = found.split_off(FOLLOWED.min(found.len()));
-        let allowed = share(problem, found.len());
-        let follow = |&(tried, start): &(&Tried, &Refitted)| {
-            let followed = |own: &Problem| refit(own, &start.hypothesis, &start.noise, STEPS[1]);
-            tried.followed.get_or_init(|| problem.within(allowed, followed));
-        };
-        found.par_iter().for_each(follow);
-        let mut found: Vec<(&Tried, &Refitted)> =
-            found.into_iter().filter_map(|(tried, _)| Some((tried, tried.followed.get()?.as_ref()?))).collect();
-        found.extend(rest);
-        rank(&mut found);
-        found.into_iter().map(|(tried, refitted)| (refitted.clone(), odds(&tried.candidate))).collect()
+        self.tried = Some(all);
+        found
+    }
+
+    /// As far as ranks them.
+    fn refitted_short(&self, problem: &Problem, starts: &mut [&mut Tried]) {
+        let first_refit =
+            |own: &Problem, from: &Refitted| refit_under(own, &from.hypothesis, &self.at.noise, FIRST_STEPS);
+        in_shares(
+            problem,
+            starts,
+            |tried| &tried.short,
+            |own, share, Tried { candidate, short, .. }| {
+                short.go_on(own, share, |own| self.short(own, candidate), first_refit);
+            },
+        );
     }
 
     fn short(&self, problem: &Problem, candidate: &Candidate) -> Option<Refitted> {
         let with = |values: &[f64]| self.at.hypothesis.with(candidate.entry.effect, values.to_vec());
-        let refitted = |start: &Hypothesis| refit(problem, start, &self.at.noise, STEPS[0]);
+        let refitted = |start: &Hypothesis| refit_under(problem, start, &self.at.noise, FIRST_STEPS);
         let found = refitted(&with(&candidate.entry.values))?;
         // A step that leads astray is taken again from where it began.
         if found.log_likelihood > self.at.log_likelihood { Some(found) } else { refitted(&with(&candidate.from)) }
+    }
+}
+
+/// To the optimum.
+fn follow(problem: &Problem, found: &mut [&mut Tried]) {
+    let on = |own: &Problem, from: &Refitted| refit(own, &from.hypothesis, &from.noise, STEPS);
+    in_shares(
+        problem,
+        found,
+        |tried| &tried.followed,
+        |own, share, Tried { short, followed, .. }| {
+            followed.go_on(own, share, |own| on(own, short.refitted()?), on);
+        },
+    );
+}
+
+/// Goes at a refit that needs more than its share: shares grow as others end, and with this many any that is left has had several
+/// times what the others took.
+const GOES: usize = 3;
+
+/// Refits in parallel, each within its share of the work, so that they end alike in whatever order they are done. Those that did not
+/// end go on within shares of what the others left.
+fn in_shares(
+    problem: &Problem,
+    all: &mut [&mut Tried],
+    trial: impl Fn(&Tried) -> &Trial + Sync,
+    go_on: impl Fn(&Problem, u64, &mut Tried) + Sync,
+) {
+    let open = |tried: &Tried| matches!(trial(tried), Trial::NotMade | Trial::Begun(_));
+    for _ in 0..GOES {
+        let many = all.iter().filter(|tried| open(tried)).count();
+        if many == 0 || problem.left() == 0 {
+            break;
+        }
+        let allowed = share(problem, many);
+        all.par_iter_mut().filter(|tried| open(tried)).for_each(|tried| go_on(problem, allowed, tried));
     }
 }
 
@@ -119,17 +213,13 @@ fn share(problem: &Problem, refits: usize) -> u64 {
     problem.left() / 2 / refits.max(1) as u64
 }
 
-fn odds(candidate: &Candidate) -> Odds {
-    Odds { tries: candidate.tries, by_chance: candidate.by_chance, taken: NOT_YET }
-}
-
 /// The first few candidates among some effects, a second start of an effect where it has several valleys, and of each effect with a
 /// memory, whose column says little, the first.
-fn first_few<'a>(tried: &'a [Tried], among: &[&'static Effect]) -> Vec<&'a Tried> {
-    let mut starts: Vec<&Tried> = Vec::new();
+fn first_few<'a>(tried: &'a mut [Tried], among: &[&'static Effect]) -> Vec<&'a mut Tried> {
+    let mut starts: Vec<&mut Tried> = Vec::new();
     let mut seen: Vec<&'static str> = Vec::new();
     let mut few = 0;
-    for one in tried.iter().filter(|one| among.contains(&one.candidate.entry.effect)) {
+    for one in tried.iter_mut().filter(|one| among.contains(&one.candidate.entry.effect)) {
         let effect = one.candidate.entry.effect;
         let times = seen.iter().filter(|other| **other == effect.id).count();
         let among_the_few = few < 2 * REFITTED && times < 2 && (times == 0 || few < REFITTED);

@@ -5,7 +5,7 @@ use crate::effects::Effect;
 use crate::hypothesis::{Refitted, refit};
 use crate::problem::Problem;
 
-use super::around::{Around, NOT_YET, Odds, REFITTED};
+use super::around::{Around, Extended, NOT_YET, Odds, REFITTED};
 use super::{Forward, Found, LEVEL_OF_A_STEP, MOST_EFFECTS, Rejected, Rival, SMALLEST_GAIN};
 use super::{gain, is_part_of_it, nuisances, p_value, priced};
 
@@ -18,10 +18,11 @@ pub(super) struct Neighbourhood<'a> {
     vocabulary: &'a [&'static Effect],
     nominal: &'a Step,
     /// Where that is computed already.
-    around_nominal: Option<&'a Around>,
+    around_nominal: Option<&'a mut Around>,
     best: Step,
     tried: Vec<Odds>,
     evidence: Vec<(f64, f64)>,
+    looked_at: Vec<bool>,
     rivals: Vec<Rival>,
     rejected: Vec<Rejected>,
     swaps: usize,
@@ -33,8 +34,6 @@ enum Looked {
     Stays,
     /// The best is another one, and all its entries are to be looked at again.
     Moved,
-    /// The work that is allowed was done before the end of it.
-    Unfinished,
 }
 
 impl<'a> Neighbourhood<'a> {
@@ -43,30 +42,42 @@ impl<'a> Neighbourhood<'a> {
         problem: &'a Problem,
         vocabulary: &'a [&'static Effect],
         nominal: &'a Step,
-        around_nominal: Option<&'a Around>,
+        around_nominal: Option<&'a mut Around>,
         Forward { best, tried, rejected }: Forward,
     ) -> Self {
-        let (evidence, rivals) = (Vec::new(), Vec::new());
-        Self { problem, vocabulary, nominal, around_nominal, best, tried, evidence, rivals, rejected, swaps: 0 }
+        let (evidence, looked_at, rivals) = (Vec::new(), Vec::new(), Vec::new());
+        Self {
+            problem,
+            vocabulary,
+            nominal,
+            around_nominal,
+            best,
+            tried,
+            evidence,
+            looked_at,
+            rivals,
+            rejected,
+            swaps: 0,
+        }
     }
 
     /// Looks at every entry, and begins again where the best becomes another one.
     pub(super) fn found(mut self) -> Found {
         let mut at = 0;
         while at < self.entries() {
-            if self.problem.is_spent() || self.problem.was_cut() {
-                // What was not looked at, or not to its end, is told as found, without rivals.
+            if self.problem.is_spent() {
+                // What was not looked at is told as found, without rivals.
                 self.evidence.extend(self.tried[at..].iter().map(|odds| odds.taken));
+                self.looked_at.resize(self.entries(), false);
                 break;
             }
             at = match self.look_at(at) {
                 Looked::Stays => at + 1,
                 Looked::Moved => 0,
-                Looked::Unfinished => at,
             };
         }
-        let Self { nominal, best, evidence, rivals, rejected, .. } = self;
-        Found { nominal: nominal.clone(), best, looked_at: at, evidence, rivals, rejected }
+        let Self { nominal, best, evidence, looked_at, rivals, rejected, .. } = self;
+        Found { nominal: nominal.clone(), best, looked_at, evidence, rivals, rejected }
     }
 
     fn entries(&self) -> usize {
@@ -76,8 +87,7 @@ impl<'a> Neighbourhood<'a> {
     fn look_at(&mut self, at: usize) -> Looked {
         // What another entry stands on, as an asymmetry on its friction, cannot be dropped.
         let Some(without) = self.without(at) else {
-            self.evidence.push(self.tried[at].taken);
-            return Looked::Stays;
+            return self.stays(self.tried[at].taken, true);
         };
         let gain = gain(self.problem, &self.best, &without, at);
         let rise = self.best.assessed.refitted.log_likelihood - without.assessed.refitted.log_likelihood;
@@ -93,10 +103,7 @@ impl<'a> Neighbourhood<'a> {
             });
             return self.moved(at, without, None);
         }
-        let found = self.in_its_place(at, &without);
-        if self.problem.is_spent() || self.problem.was_cut() {
-            return Looked::Unfinished;
-        }
+        let (found, ended) = self.in_its_place(at, &without);
         let comparisons: Vec<Comparison> = found.iter().map(|rival| compare(self.problem, &self.best, rival)).collect();
         if let Some(other) = self.preferred(&found, &comparisons) {
             let other = found[other].clone();
@@ -104,7 +111,16 @@ impl<'a> Neighbourhood<'a> {
         }
         let rival = |(step, behind)| Rival { place: at, step, behind };
         self.rivals.extend(found.into_iter().zip(comparisons).map(rival));
-        self.evidence.push((p, gain));
+        self.stays((p, gain), ended && !self.problem.is_spent())
+    }
+
+    /// With the evidence of the next entry, and whether all that may stand in its place was looked at.
+    fn stays(&mut self, evidence: (f64, f64), looked_at: bool) -> Looked {
+        self.evidence.push(evidence);
+        self.looked_at.push(looked_at);
+        if !looked_at {
+            self.problem.note_cut();
+        }
         Looked::Stays
     }
 
@@ -123,28 +139,33 @@ impl<'a> Neighbourhood<'a> {
         self.tried.extend(new);
         self.best = to;
         self.evidence.clear();
+        self.looked_at.clear();
         self.rivals.clear();
         Looked::Moved
     }
 
-    /// Refits of what may stand in the place of an entry. What does not explain what is missing there by itself is no rival,
-    /// however little tells it apart.
-    fn in_its_place(&self, at: usize, without: &Step) -> Vec<Step> {
+    /// Refits of what may stand in the place of an entry, and whether all that were begun came to their end. What does not explain
+    /// what is missing there by itself is no rival, however little tells it apart.
+    fn in_its_place(&mut self, at: usize, without: &Step) -> (Vec<Step>, bool) {
+        let problem = self.problem;
         let own = self.best.assessed.refitted.hypothesis.entries[at].effect;
         let others = self.vocabulary.iter().copied().filter(|effect| *effect != own);
         let others: Vec<&'static Effect> = others.chain(nuisances(self.vocabulary)).collect();
-        let found = match self.around_nominal.filter(|_| self.entries() == 1) {
-            Some(around_nominal) => around_nominal.extended(self.problem, &others),
-            None => self.with_the_others_as_they_are(at, without, &others).extended(self.problem, &others),
+        let alone = self.entries() == 1;
+        let mut found = match self.around_nominal.as_mut().filter(|_| alone) {
+            Some(around_nominal) => around_nominal.extended(problem, &others),
+            None => self.with_the_others_as_they_are(at, without, &others).extended(problem, &others),
         };
+        found.truncate(REFITTED);
+        let ended = found.iter().all(|one| one.ended);
         let floor = without.assessed.refitted.log_likelihood;
-        let rival = |(one, odds): (Refitted, Odds)| {
-            let (rise, last) = (one.log_likelihood - floor, one.hypothesis.entries.len() - 1);
-            let rival = Step::new(self.problem, one)?;
-            let relevant = gain(self.problem, &rival, without, last) >= SMALLEST_GAIN;
+        let rival = |Extended { refitted, odds, .. }: Extended| {
+            let (rise, last) = (refitted.log_likelihood - floor, refitted.hypothesis.entries.len() - 1);
+            let rival = Step::new(problem, refitted)?;
+            let relevant = gain(problem, &rival, without, last) >= SMALLEST_GAIN;
             (relevant && p_value(&rival.assessed, last, rise, odds) < LEVEL_OF_A_STEP).then_some(rival)
         };
-        found.into_iter().take(REFITTED).filter_map(rival).collect()
+        (found.into_iter().filter_map(rival).collect(), ended)
     }
 
     /// The best without an entry, the others at their values in it: refitted alone they have taken over what they can of it, and
