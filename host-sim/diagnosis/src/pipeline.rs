@@ -6,7 +6,7 @@ use crate::goodness::{Predictor, predictors};
 use crate::hypothesis::{Entry, Hypothesis, Refitted, refit};
 use crate::likelihood::Noise;
 use crate::problem::Problem;
-use crate::search::{Found, Rejected, SMALLEST_GAIN, first_noise, search};
+use crate::search::{Found, LEVEL_OF_A_STEP, Odds, Rejected, SMALLEST_GAIN, first_noise, p_value, search};
 use crate::verdict::{Standing, Verdict, verdict};
 use crate::windows::window_s;
 use crate::work::WORK;
@@ -97,6 +97,10 @@ fn equivalent(
 /// None where no pass over the recordings is finite.
 pub fn diagnose_as_read(problem: Problem, vocabulary: &[&'static Effect]) -> Option<(Problem, Conclusion)> {
     let measured = diagnose(&problem, vocabulary)?;
+    let (problem, measured) = match read_again(&problem, &measured, vocabulary) {
+        Some(again) => again,
+        None => (problem, measured),
+    };
     let Some(commands) = problem.as_commands() else { return Some((problem, measured)) };
     let commands = commands.allowing(WORK.saturating_sub(problem.work()));
     let believed = diagnose(&commands, vocabulary).filter(|commanded| {
@@ -113,6 +117,23 @@ pub fn diagnose_as_read(problem: Problem, vocabulary: &[&'static Effect]) -> Opt
         Some(commanded) => (commands, commanded),
         None => (problem, measured),
     })
+}
+
+/// The problem with the rows of the torque column read the other way, as samples or as values held to the next row, and what is found so;
+/// none where that is certainly less likely. Half a row between the readings is a skew of the channels, and which reading is right was decided
+/// on the nominal machine, which may lack too much to tell.
+fn read_again(problem: &Problem, found: &Conclusion, vocabulary: &[&'static Effect]) -> Option<(Problem, Conclusion)> {
+    let best = &found.best.assessed.refitted;
+    let skew = best.hypothesis.entries.iter().position(|entry| entry.effect.first)?;
+    let other = problem.read_otherwise()?;
+    let without = refit(&other, &best.hypothesis.without(skew), &best.noise, STEPS_OF_THE_OTHER)?;
+    let rise = best.log_likelihood - without.log_likelihood;
+    if p_value(&found.best.assessed, skew, rise, Odds::of_one()) < LEVEL_OF_A_STEP {
+        return None;
+    }
+    let other = other.allowing(WORK.saturating_sub(problem.work()));
+    let again = diagnose(&other, vocabulary)?;
+    Some((other, again))
 }
 
 /// How a hypothesis predicts the windows that judge, beside another.

@@ -113,6 +113,15 @@ impl Problem {
         })
     }
 
+    /// The same with the rows of the torque column as samples where they were read as values held to the next row, and the other way
+    /// round; none where the column is commands.
+    pub fn read_otherwise(&self) -> Option<Self> {
+        let held = self.early_s.iter().all(|early_s| *early_s == 0.0);
+        let early_s = self.grids.iter().map(|grid| if held { 0.5 * grid.period_s } else { 0.0 }).collect();
+        let lately = self.recordings.iter().map(|_| Lately::default()).collect();
+        (!self.motions.is_empty()).then(|| Self { early_s, lately, work: Work::of(u64::MAX), ..self.clone() })
+    }
+
     /// The same with substeps as fine as so many passes over them may be for that much work.
     pub(crate) fn finer_within(&self, allowed: u64, passes: u64) -> Self {
         let fits = |finer: &usize| {

@@ -12,7 +12,7 @@ use crate::likelihood::Noise;
 use crate::problem::Problem;
 
 pub use around::Odds;
-use around::{Around, Extended, NOT_YET, freedom};
+use around::{Around, Extended, freedom};
 use neighbourhood::Neighbourhood;
 
 /// Most effects of one hypothesis: twice what the hardest case of the proof conceals.
@@ -176,7 +176,7 @@ fn forward(problem: &Problem, vocabulary: &[&'static Effect], from: Step, around
     let mut best = from;
     let mut moved: Option<Around> = None;
     let began = best.assessed.refitted.hypothesis.entries.len();
-    let mut tried = vec![Odds { tries: 1.0, by_chance: 0.0, taken: NOT_YET }; began];
+    let mut tried = vec![Odds::of_one(); began];
     // What happens once is looked for when nothing that holds always is left.
     let lasting: Vec<&'static Effect> = vocabulary.iter().copied().filter(|effect| !effect.once).collect();
     let mut among: &[&'static Effect] = &lasting;

@@ -24,8 +24,15 @@ pub struct Odds {
     pub(super) taken: (f64, f64),
 }
 
+impl Odds {
+    /// Of what was looked for in one place.
+    pub fn of_one() -> Self {
+        Self { tries: 1.0, by_chance: 0.0, taken: NOT_YET }
+    }
+}
+
 /// Evidence of an entry that was put in without a test.
-pub(super) const NOT_YET: (f64, f64) = (1.0, 0.0);
+const NOT_YET: (f64, f64) = (1.0, 0.0);
 
 /// Number of free values.
 pub(super) fn freedom(refitted: &Refitted) -> f64 {

@@ -5,7 +5,7 @@ use crate::effects::Effect;
 use crate::hypothesis::{Refitted, refit};
 use crate::problem::Problem;
 
-use super::around::{Around, Extended, NOT_YET, Odds, REFITTED};
+use super::around::{Around, Extended, Odds, REFITTED};
 use super::{Forward, Found, LEVEL_OF_A_STEP, MOST_EFFECTS, Rejected, Rival, SMALLEST_GAIN};
 use super::{gain, is_part_of_it, nuisances, p_value, priced};
 
@@ -107,7 +107,7 @@ impl<'a> Neighbourhood<'a> {
         let comparisons: Vec<Comparison> = found.iter().map(|rival| compare(self.problem, &self.best, rival)).collect();
         if let Some(other) = self.preferred(&found, &comparisons) {
             let other = found[other].clone();
-            return self.moved(at, other, Some(Odds { tries: 1.0, by_chance: 0.0, taken: NOT_YET }));
+            return self.moved(at, other, Some(Odds::of_one()));
         }
         let rival = |(step, behind)| Rival { place: at, step, behind };
         self.rivals.extend(found.into_iter().zip(comparisons).map(rival));
