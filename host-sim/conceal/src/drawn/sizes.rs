@@ -10,7 +10,7 @@ use super::setting::Setting;
 use super::vocabulary::{possible, together, values};
 use crate::catalogue::{self, Entry, for_recording};
 use crate::named::on_linear_axis;
-use crate::outside::{Kind, Scales, Shape};
+use crate::outside::{Kind, Needs, Scales, Shape};
 use crate::physics::Physics;
 use crate::plan::{Arm, Decoy, Drawn, kinds_of};
 use crate::seal::Concealed;
@@ -134,7 +134,11 @@ impl Search<'_> {
     /// Which effects, so that all can be in this machine together.
     fn sources(&self, blueprint: &Drawn, random: &mut StdRng) -> Option<Vec<Source>> {
         if blueprint.arm == Arm::Outside {
-            let possible = |kind: &&'static Kind| self.setting.has_fluid() || !kind.needs_fluid;
+            let possible = |kind: &&'static Kind| match kind.needs {
+                Needs::Nothing => true,
+                Needs::Fluid => self.setting.has_fluid(),
+                Needs::Command => self.setting.measured.is_none(),
+            };
             let kinds: Vec<&'static Kind> = kinds_of(&blueprint.families).into_iter().filter(possible).collect();
             // By family first: a family of three kinds is no likelier than one of two.
             let mut families: Vec<&str> = kinds.iter().map(|kind| kind.family).collect();
