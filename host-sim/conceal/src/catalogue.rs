@@ -23,6 +23,8 @@ pub struct Entry {
     leading: usize,
     /// Value of the leading parameter without the effect; none where the effect goes with one over it.
     origin: Option<f64>,
+    /// Whether the fixed plan has it; what the vocabulary has learnt since would give its seeds other cases.
+    pub(crate) in_fixed_plan: bool,
 }
 
 impl Entry {
@@ -39,6 +41,11 @@ impl Entry {
 
     const fn from(mut self, origin: f64) -> Self {
         self.origin = Some(origin);
+        self
+    }
+
+    const fn learnt(mut self) -> Self {
+        self.in_fixed_plan = false;
         self
     }
 
@@ -101,7 +108,7 @@ const fn inside(
     draw: fn(f64, &mut StdRng) -> Vec<f64>,
     put: fn(&mut Physics, &[f64]),
 ) -> Entry {
-    Entry { id, in_vocabulary: true, parameters, draw, put, leading: 0, origin: Some(0.0) }
+    Entry { id, in_vocabulary: true, parameters, draw, put, leading: 0, origin: Some(0.0), in_fixed_plan: true }
 }
 
 const fn outside(
@@ -110,7 +117,7 @@ const fn outside(
     draw: fn(f64, &mut StdRng) -> Vec<f64>,
     put: fn(&mut Physics, &[f64]),
 ) -> Entry {
-    Entry { id, in_vocabulary: false, parameters, draw, put, leading: 0, origin: Some(0.0) }
+    Entry { id, in_vocabulary: false, parameters, draw, put, leading: 0, origin: Some(0.0), in_fixed_plan: true }
 }
 
 /// Every effect: those of the vocabulary in the order of its table, then those outside it.
@@ -145,9 +152,7 @@ pub static ENTRIES: &[Entry] = &[
         "field_slew_limit",
         &["slew_kv_mm_s"],
         |s, r| vec![150.0 / by(1.0, s, r)],
-        |p, v| {
-            p.fluid.slew_kv_mm_s = Some(v[0]);
-        },
+        |p, v| p.fluid.slew_kv_mm_s = Some(v[0]),
     )
     .falling(),
     inside("field_gain", &["gain"], |s, r| vec![1.0 + either(0.2, s, r)], |p, v| p.fluid.field_gain = v[0]).from(1.0),
@@ -157,9 +162,7 @@ pub static ENTRIES: &[Entry] = &[
         "er_preyield",
         &["stiffness_nm_rad"],
         |s, r| vec![250.0 / by(1.0, s, r)],
-        |p, v| {
-            p.fluid.preyield_nm_rad = Some(v[0]);
-        },
+        |p, v| p.fluid.preyield_nm_rad = Some(v[0]),
     )
     .falling(),
     inside(
@@ -182,18 +185,14 @@ pub static ENTRIES: &[Entry] = &[
         "coulomb_friction",
         &["coulomb_nm"],
         |s, r| vec![0.763 + either(0.3, s, r)],
-        |p, v| {
-            p.friction.coulomb_nm = v[0];
-        },
+        |p, v| p.friction.coulomb_nm = v[0],
     )
     .from(0.763),
     inside(
         "viscous_friction",
         &["viscous_nm_s_rad"],
         |s, r| vec![by(0.2, s, r)],
-        |p, v| {
-            p.friction.viscous_nm_s_rad = v[0];
-        },
+        |p, v| p.friction.viscous_nm_s_rad = v[0],
     ),
     inside(
         "stribeck_friction",
@@ -213,9 +212,7 @@ pub static ENTRIES: &[Entry] = &[
         "presliding",
         &["stiffness_nm_rad"],
         |s, r| vec![200.0 / by(1.0, s, r)],
-        |p, v| {
-            p.friction.presliding_nm_rad = Some(v[0]);
-        },
+        |p, v| p.friction.presliding_nm_rad = Some(v[0]),
     )
     .falling(),
     inside("torque_gain", &["gain"], |s, r| vec![1.0 + either(0.1, s, r)], |p, v| p.drive.gain = v[0]).from(1.0),
@@ -303,6 +300,23 @@ pub static ENTRIES: &[Entry] = &[
         },
     )
     .led_by(1),
+    inside("load_dependent_friction", &["coefficient"], |s, r| vec![by(0.08, s, r)], |p, v| p.friction.per_load = v[0])
+        .learnt(),
+    // Only where there is a viscous friction to be warmed.
+    inside(
+        "temperature_viscosity",
+        &["viscosity_per_j", "cooling_per_s"],
+        |s, r| vec![by(1.0, s, r), 0.5],
+        |p, v| p.friction.warming = Some((v[0], v[1])),
+    )
+    .learnt(),
+    inside(
+        "torque_ripple",
+        &["gain_amplitude", "order_per_rev", "phase_rad"],
+        |s, r| vec![by(0.3, s, r), one_of(&[6.0, 12.0, 14.0, 24.0, 36.0], r), angle(r)],
+        |p, v| p.drive.ripple.push(wave(v)),
+    )
+    .learnt(),
     outside(
         "friction_over_position",
         &["share", "order_per_rev", "phase_rad"],

@@ -22,8 +22,8 @@ impl Drive {
         }
     }
 
-    /// Acting torque in the middle of a step with this command, N m.
-    pub(crate) fn pass(&mut self, command_nm: f64) -> f64 {
+    /// Acting torque in the middle of a step with this command at an angle, N m.
+    pub(crate) fn pass(&mut self, command_nm: f64, position_rad: f64) -> f64 {
         let law = &self.law;
         let past_deadband = command_nm.signum() * (command_nm.abs() - law.deadband_nm).max(0.0);
         let mut torque_nm = law.gain * past_deadband + law.offset_nm;
@@ -33,6 +33,7 @@ impl Drive {
         if let Some(level) = law.saturation_nm {
             torque_nm = level * (torque_nm / level).tanh();
         }
-        self.lag.pass(self.dead_time.pass(torque_nm.clamp(-law.limit_nm, law.limit_nm)))
+        let gain = 1.0 + law.ripple.iter().map(|wave| wave.at(position_rad)).sum::<f64>();
+        gain * self.lag.pass(self.dead_time.pass(torque_nm.clamp(-law.limit_nm, law.limit_nm)))
     }
 }

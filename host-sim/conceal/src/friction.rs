@@ -12,6 +12,8 @@ pub(crate) struct Friction {
     /// Torque of the bristle, N m, signed like the motion.
     bristle_nm: f64,
     rest_s: f64,
+    /// In the store that all drag warms, J.
+    heat_j: f64,
 }
 
 /// What friction can do in one step.
@@ -27,7 +29,7 @@ pub(crate) struct Bounds {
 
 impl Friction {
     pub(crate) fn new(law: &physics::Friction, step_s: f64) -> Self {
-        Self { law: law.clone(), step_s, bristle_nm: 0.0, rest_s: 0.0 }
+        Self { law: law.clone(), step_s, bristle_nm: 0.0, rest_s: 0.0, heat_j: 0.0 }
     }
 
     /// Bounds of the step at an angle, rad, a speed, rad/s, under a drive torque, N m.
@@ -45,7 +47,10 @@ impl Friction {
         let half_nm = 0.5 * law.difference_nm;
         let level_nm = [mean_nm + half_nm, mean_nm - half_nm].map(|level| level.max(0.0));
         let uneven = 0.5 * law.viscous_difference_nm_s_rad * speed_rad_s.signum();
-        let viscous_nm_s_rad = law.viscous_nm_s_rad + uneven + law.quadratic_nm_s2_rad2 * speed_rad_s.abs();
+        // Warmth thins what is linear in the speed; drag with its square is of the air.
+        let thinned = law.warming.map_or(1.0, |(per_j, _)| (-per_j * self.heat_j).exp());
+        let linear = thinned * (law.viscous_nm_s_rad + uneven);
+        let viscous_nm_s_rad = linear + law.quadratic_nm_s2_rad2 * speed_rad_s.abs();
         match law.presliding_nm_rad {
             None => Bounds { level_nm, viscous_nm_s_rad, known_nm: 0.0 },
             Some(stiffness) => {
@@ -56,6 +61,13 @@ impl Friction {
                 self.bristle_nm = (self.bristle_nm + slope * travel).clamp(-level_nm[1], level_nm[0]);
                 Bounds { level_nm: [0.0; 2], viscous_nm_s_rad, known_nm: self.bristle_nm }
             }
+        }
+    }
+
+    /// Takes the power of all drag over a step into the store, W.
+    pub(crate) fn warm(&mut self, power_w: f64) {
+        if let Some((_, cooling_per_s)) = self.law.warming {
+            self.heat_j += self.step_s * (power_w - cooling_per_s * self.heat_j);
         }
     }
 }

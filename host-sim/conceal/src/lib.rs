@@ -21,6 +21,7 @@ pub mod drawn;
 mod drive;
 mod fluid;
 mod friction;
+pub mod indistinct;
 mod machine_file;
 pub mod named;
 pub mod outside;

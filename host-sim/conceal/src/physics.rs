@@ -40,6 +40,8 @@ pub struct Drive {
     pub memory: Option<(f64, f64)>,
     /// Torque t becomes s tanh(t/s) with this s, N m.
     pub saturation_nm: Option<f64>,
+    /// Over the angle, as shares of the torque: it acts times 1 + these.
+    pub ripple: Vec<Wave>,
 }
 
 /// What of the fluid is delayed.
@@ -110,6 +112,8 @@ pub struct Friction {
     pub ageing: Option<(f64, f64)>,
     /// Coulomb friction that grows with the magnitude of the drive's torque, 1.
     pub per_load: f64,
+    /// Viscous friction that falls with the heat of all drag as exp(-k H): k, 1/J, and the share of the heat that goes each second, 1/s.
+    pub warming: Option<(f64, f64)>,
 }
 
 /// Load on a flexible shaft; motor J/(1 + r), load J r/(1 + r).
@@ -199,6 +203,7 @@ impl Physics {
             lag_s: 0.0,
             memory: None,
             saturation_nm: None,
+            ripple: Vec::new(),
         };
         let fluid = Fluid {
             a: 0.0704,
@@ -227,6 +232,7 @@ impl Physics {
             over_position: None,
             ageing: None,
             per_load: 0.0,
+            warming: None,
         };
         Self {
             inertia_kg_m2: 0.075,

@@ -98,7 +98,7 @@ impl Rotor {
         let middle_rad = self.position_rad + 0.5 * h * self.speed_rad_s;
         let inertia = self.inertia_kg_m2(t_s);
         let mut command = *command;
-        let mut drive_nm = self.drive.pass(command.torque_nm);
+        let mut drive_nm = self.drive.pass(command.torque_nm, middle_rad);
         let mut seen = Seen { t_s, step_s: h, position: middle_rad, speed: self.speed_rad_s, drive: drive_nm };
         if let Some(hidden) = &mut self.hidden {
             drive_nm = hidden.drive(&seen, drive_nm);
@@ -119,9 +119,14 @@ impl Rotor {
             moved *= hidden.inertia(&seen);
         }
         torque_nm -= bounds.known_nm;
+        let mut known_nm = bounds.known_nm;
         let [mut forward_nm, mut backward_nm] = bounds.level_nm;
         match &mut self.preyield {
-            Some(fluid) => torque_nm -= fluid.pass(h * self.speed_rad_s, drag.level_nm),
+            Some(fluid) => {
+                let held_nm = fluid.pass(h * self.speed_rad_s, drag.level_nm);
+                torque_nm -= held_nm;
+                known_nm += held_nm;
+            }
             None => (forward_nm, backward_nm) = (forward_nm + drag.level_nm, backward_nm + drag.level_nm),
         }
         let mut viscous = bounds.viscous_nm_s_rad;
@@ -136,8 +141,10 @@ impl Rotor {
         }
         // The speed without friction tells which way friction pushes; it takes what stops the rotor, and no more.
         let free = self.speed_rad_s + h * torque_nm / moved;
-        let most = h / moved * if free > 0.0 { forward_nm } else { backward_nm };
+        let level_nm = if free > 0.0 { forward_nm } else { backward_nm };
+        let most = h / moved * level_nm;
         let next = if free.abs() <= most { 0.0 } else { (free - free.signum() * most) / (1.0 + h * viscous / moved) };
+        self.friction.warm((level_nm + viscous * next.abs()) * next.abs() + known_nm * next);
         self.position_rad = middle_rad + 0.5 * h * next;
         self.speed_rad_s = next;
         self.steps += 1;

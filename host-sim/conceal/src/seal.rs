@@ -51,6 +51,9 @@ pub struct MachineTruth {
     pub families: Vec<String>,
     /// Effects that stand for what belongs to the log or the noise: they need not be named, and are not wrong.
     pub beside: Vec<String>,
+    /// Order over the position of the noise's ripple; none without one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ripple_order: Option<f64>,
 }
 
 /// What is true of one case.

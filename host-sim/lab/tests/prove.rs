@@ -153,6 +153,56 @@ fn the_drawn_plan_counts_conclusions_apart_and_takes_the_skew_of_a_log_for_no_er
     }
 }
 
+/// A stand-in that looks at its recordings as a tool would: it says in which direction the axis went first, by the sign of an offset.
+#[cfg(unix)]
+fn looking_stand_in(folder: &Path) -> String {
+    let tool = stand_in(folder, "");
+    // Words: diagnose --machine M --json OUT ...; the first recording is the last word but for those behind it.
+    let script = r#"#!/bin/sh
+largest=$(awk -F, 'NR==1{for(i=1;i<=NF;i++)if($i~/^(torque|force)_/)c=i;next}{v=$c+0;a=v<0?-v:v;if(a>m){m=a;s=v}}END{printf "%.15g",s}' fitted-0.csv)
+cat > "$5" <<END
+{"verdict": "named", "effects": [{"id": "torque_offset", "parameters": [
+  {"id": "offset_nm", "value": $largest, "low": $largest, "high": $largest}]}]}
+END
+"#;
+    std::fs::write(&tool, script).unwrap();
+    tool
+}
+
+#[test]
+#[cfg(unix)]
+fn follow_changes_a_simulated_case_and_asks_whether_the_answer_does() {
+    let folder = tempfile::tempdir().unwrap();
+    let follow = |tool: &str, out: &str, more: &[&str]| {
+        let out = folder.path().join(out);
+        let json = out.with_extension("json");
+        let flags = ["--follow", "--case", "2", "--program", tool, "--json", json.to_str().unwrap()];
+        let printed = prove(&out, &[&flags[..], more].concat());
+        let results: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(json).unwrap()).unwrap();
+        (printed, results["outcomes"].as_array().unwrap().clone())
+    };
+    // One that answers the same to everything follows where nothing of the answer should change, and an added effect does not come back.
+    let constant = stand_in(folder.path(), r#"{"verdict": "none", "effects": []}"#);
+    let (printed, outcomes) = follow(&constant, "constant", &[]);
+    assert!(printed.contains("order: 1 of 1 follow"), "{printed}");
+    let of = |change: &str| outcomes.iter().find(|one| one["change"] == change).unwrap_or_else(|| panic!("{change}"));
+    for change in ["order", "sign", "units", "split", "decimated"] {
+        assert_eq!(of(change)["follows"], true, "{change}");
+    }
+    for change in ["offset", "spring", "viscous"] {
+        assert_eq!((&of(change)["follows"], of(change)["added"].is_null()), (&false.into(), false), "{change}");
+    }
+    // One that reads a torque off the log gives it with the log's sign and unit.
+    let (_, outcomes) = follow(&looking_stand_in(folder.path()), "looking", &["--change", "sign,units,offset"]);
+    let follows: Vec<_> = outcomes.iter().map(|one| (one["change"].clone(), one["follows"].clone())).collect();
+    assert_eq!(follows[..2], [("sign".into(), true.into()), ("units".into(), true.into())]);
+    // The changed files are what the tool was given.
+    let given = |change: &str| {
+        std::fs::read_to_string(folder.path().join("looking/follow/seed-2").join(change).join("fitted-0.csv")).unwrap()
+    };
+    assert_ne!(given("as-it-is"), given("sign"));
+}
+
 #[test]
 fn a_shard_that_is_none_is_refused() {
     let mut command = Command::cargo_bin("servo-lab").unwrap();

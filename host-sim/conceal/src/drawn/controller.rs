@@ -99,3 +99,27 @@ impl Controller {
         (torque.clamp(-self.limit, self.limit), field)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::SeedableRng;
+
+    #[test]
+    fn controllers_have_an_integral_in_two_of_five_and_each_rule_for_the_field_in_a_third() {
+        let mut random = StdRng::seed_from_u64(1);
+        let integrals =
+            (0..400).filter(|_| Controller::draw(1.0, 30.0, 10.0, None, &mut random).integral > 0.0).count();
+        let mut rules = [0; 3];
+        for _ in 0..400 {
+            match FieldRule::draw(30.0, 1.0, &mut random) {
+                FieldRule::Square(..) => rules[0] += 1,
+                FieldRule::Near(..) => rules[1] += 1,
+                FieldRule::Speed(..) => rules[2] += 1,
+            }
+        }
+        println!("{integrals} of 400 with an integral, rules {rules:?}");
+        // Four deviations of a binomial draw: 39 and 38.
+        assert!((121..=199).contains(&integrals) && rules.iter().all(|count| (95..=171).contains(count)));
+    }
+}

@@ -290,6 +290,7 @@ fn truth(
             skew_s: setting.measured.map_or(0.0, |law| law.skew_s),
             families: chosen.effects.iter().filter_map(|one| one.family()).map(str::to_owned).collect(),
             beside: beside(setting),
+            ripple_order: setting.noise.ripple.map(|wave| wave.order_per_rev),
         }),
     }
 }

@@ -186,3 +186,76 @@ impl Noise {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::SeedableRng;
+
+    /// Machines drawn; a share of one half then scatters by 0.025.
+    const DRAWN: u64 = 400;
+
+    fn settings() -> Vec<Setting> {
+        (0..DRAWN).map(|seed| Setting::draw(false, &mut StdRng::seed_from_u64(seed))).collect()
+    }
+
+    /// Whether a share of these is the expected one within four deviations of a binomial draw.
+    fn expect<'a>(
+        what: &str,
+        of: impl Iterator<Item = &'a Setting> + Clone,
+        holds: impl Fn(&Setting) -> bool,
+        share: f64,
+    ) {
+        let (count, all) = (of.clone().filter(|one| holds(one)).count() as f64, of.count() as f64);
+        let spread = (share * (1.0 - share) / all).sqrt();
+        println!("{what}: {count} of {all}, expected {share}");
+        assert!((count / all - share).abs() <= 4.0 * spread, "{what}: {count} of {all}, expected {share}");
+    }
+
+    #[test]
+    fn every_property_of_a_machine_and_its_log_comes_in_its_share() {
+        let all = settings();
+        let flashed = |one: &Setting| matches!(one.law, Law::Servo(_));
+        let own = || all.iter().filter(|one| !flashed(one));
+        expect("flashed law", all.iter(), flashed, 0.25);
+        expect("uneven time", all.iter(), |one| one.jitter_s > 0.0, 0.3);
+        expect("coloured torque noise", all.iter(), |one| one.noise.coloured.is_some(), 0.5);
+        expect("linear", own(), |one| one.linear, 0.3);
+        expect("no damper", own(), |one| !one.has_fluid(), 0.6);
+        expect("torque measured", own(), |one| one.measured.is_some(), 0.25);
+        expect("no dry friction", own(), |one| one.physics.friction.coulomb_nm == 0.0, 0.1);
+        expect("viscous friction", own(), |one| one.physics.friction.viscous_nm_s_rad > 0.0, 0.5);
+        expect("limit of the torque", own(), |one| one.physics.drive.limit_nm.is_finite(), 0.5);
+        // A measured torque is none that is late.
+        expect("no drive delay", own(), |one| one.physics.drive.delay_s == 0.0, 0.25 + 0.75 * 0.3);
+        let measured = || own().filter(|one| one.measured.is_some());
+        expect("skew", measured(), |one| one.measured.is_some_and(|law| law.skew_s != 0.0), 0.5);
+        expect("ripple of the noise", own().filter(|one| !one.linear), |one| one.noise.ripple.is_some(), 0.3);
+        assert!(all.iter().all(|one| one.noise.white > 0.0 && (flashed(one) || one.physics.fluid.b >= 0.0)));
+        assert!(all.iter().filter(|one| flashed(one)).all(|one| one.has_fluid() && one.measured.is_none()));
+    }
+
+    #[test]
+    fn rates_inertias_and_ways_fill_their_ranges_evenly_on_a_logarithmic_scale() {
+        let all = settings();
+        let own = || all.iter().filter(|one| matches!(one.law, Law::Own(_)));
+        let (slow, fast) = (200.0_f64, 8000.0_f64);
+        let hz = |one: &Setting| 1.0 / one.period_s;
+        assert!(own().all(|one| (slow..fast).contains(&hz(one))));
+        // Each quarter of the range has a quarter of the machines.
+        for quarter in 0..4 {
+            let at = |share: f64| slow * (fast / slow).powf(share);
+            let (from, to) = (at(0.25 * f64::from(quarter)), at(0.25 * f64::from(quarter + 1)));
+            let within = |one: &Setting| (from..to).contains(&hz(one));
+            expect(&format!("{from:.0} to {to:.0} Hz"), own(), within, 0.25);
+        }
+        let rotary = || own().filter(|one| !one.linear);
+        expect("inertia below 0.03 kg m2", rotary(), |one| one.physics.inertia_kg_m2 < 10.0_f64.powf(-1.5), 0.5);
+        expect(
+            "mass below 12 kg",
+            own().filter(|one| one.linear),
+            |one| one.physics.inertia_kg_m2 < 150.0_f64.sqrt(),
+            0.5,
+        );
+    }
+}

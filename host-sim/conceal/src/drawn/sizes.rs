@@ -10,7 +10,7 @@ use super::setting::Setting;
 use super::vocabulary::{possible, together, values};
 use crate::catalogue::{self, Entry, for_recording};
 use crate::named::on_linear_axis;
-use crate::outside::{Kind, Scales, Shape};
+use crate::outside::{Kind, Needs, Scales, Shape};
 use crate::physics::Physics;
 use crate::plan::{Arm, Decoy, Drawn, kinds_of};
 use crate::seal::Concealed;
@@ -134,7 +134,11 @@ impl Search<'_> {
     /// Which effects, so that all can be in this machine together.
     fn sources(&self, blueprint: &Drawn, random: &mut StdRng) -> Option<Vec<Source>> {
         if blueprint.arm == Arm::Outside {
-            let possible = |kind: &&'static Kind| self.setting.has_fluid() || !kind.needs_fluid;
+            let possible = |kind: &&'static Kind| match kind.needs {
+                Needs::Nothing => true,
+                Needs::Fluid => self.setting.has_fluid(),
+                Needs::Command => self.setting.measured.is_none(),
+            };
             let kinds: Vec<&'static Kind> = kinds_of(&blueprint.families).into_iter().filter(possible).collect();
             // By family first: a family of three kinds is no likelier than one of two.
             let mut families: Vec<&str> = kinds.iter().map(|kind| kind.family).collect();
@@ -305,5 +309,47 @@ impl One {
             strength: self.multiple * self.detectable,
             parameters: names.zip(self.values.iter().copied()).collect(),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use rand::SeedableRng;
+
+    use super::super::{Base, families};
+    use super::*;
+
+    /// Machines drawn, and single effects for each.
+    const MACHINES: u64 = 60;
+    const EFFECTS: usize = 60;
+
+    #[test]
+    fn every_effect_of_the_vocabulary_is_drawn_within_sixty_machines_and_has_a_size_there() {
+        let blueprint = Drawn { arm: Arm::Single, effects: 1, decoy: None, families: Vec::new() };
+        let mut drawn: BTreeSet<&str> = BTreeSet::new();
+        for seed in 0..MACHINES {
+            let random = &mut StdRng::seed_from_u64(seed);
+            let setting = Setting::draw(false, random);
+            let families = families(&blueprint, random);
+            let base = Base::run(&setting, &setting.physics, None, &families, random.random());
+            let Some(scales) = base.and_then(|base| base.scales(&setting)) else { continue };
+            let search = Search { setting: &setting, scales: &scales, motions: &[], noise_left: [1.0; 2] };
+            for _ in 0..EFFECTS {
+                let Some(sources) = search.sources(&blueprint, random) else { continue };
+                let shape: Shape = std::array::from_fn(|_| random.random());
+                for source in sources {
+                    if let (Source::Vocabulary(entry), Some(_)) = (source, search.values(source, 0.2, &shape)) {
+                        drawn.insert(entry.id);
+                    }
+                }
+            }
+        }
+        let all: BTreeSet<&str> =
+            catalogue::ENTRIES.iter().filter(|entry| entry.in_vocabulary).map(|entry| entry.id).collect();
+        let missing: Vec<_> = all.difference(&drawn).collect();
+        println!("{} of {} effects in {MACHINES} machines", drawn.len(), all.len());
+        assert!(missing.is_empty(), "{missing:?}");
     }
 }

@@ -29,9 +29,9 @@ pub(crate) fn possible(id: &str, setting: &Setting, scales: &Scales) -> bool {
         "resolver_eccentricity" => !setting.linear && scales.travel > 0.4,
         "presliding" | "friction_asymmetry" => scales.coulomb > 0.02 * scales.torque,
         // A torque that was measured shows nothing of what is before it.
-        "torque_delay" | "torque_lag" | "torque_saturation" | "torque_deadband" | "torque_gain" | "torque_offset" => {
-            setting.measured.is_none()
-        }
+        "torque_delay" | "torque_lag" | "torque_saturation" | "torque_deadband" | "torque_gain" | "torque_offset"
+        | "torque_ripple" => setting.measured.is_none(),
+        "temperature_viscosity" => setting.physics.friction.viscous_nm_s_rad * scales.speed > 0.05 * scales.torque,
         _ => true,
     }
 }
@@ -42,6 +42,15 @@ fn sign(shape: &Shape) -> f64 {
 
 fn pick(values: &[f64], share: f64) -> f64 {
     values[((share * values.len() as f64) as usize).min(values.len() - 1)]
+}
+
+/// Order and phase of a wave over the position.
+fn wave_over_angle(setting: &Setting, c: &Scales, u: &Shape) -> [f64; 2] {
+    let least = 3.0 / c.travel;
+    // No faster than a tenth of the rows at the usual speed.
+    let most = (0.1 * TAU / (c.period_s * c.speed)).clamp(2.0 * least, 60.0_f64.max(3.0 * least));
+    let order = least * (most / least).powf(u[2]);
+    [if setting.linear { order } else { order.round() }, TAU * (u[1] - 0.5)]
 }
 
 /// Values of an effect, in the order of the catalogue's parameters, at a size from 0, none, to 1, as large as the torques of the
@@ -78,11 +87,18 @@ pub(crate) fn values(id: &str, setting: &Setting, c: &Scales, size: f64, u: &Sha
         "torque_delay" => vec![physics.drive.delay_s + 0.02 * size],
         "torque_lag" => vec![0.02 * size],
         "cogging" => {
-            let least = 3.0 / c.travel;
-            // No faster than a tenth of the rows at the usual speed.
-            let most = (0.1 * TAU / (c.period_s * c.speed)).clamp(2.0 * least, 60.0_f64.max(3.0 * least));
-            let order = least * (most / least).powf(u[2]);
-            vec![torque, if setting.linear { order } else { order.round() }, angle]
+            let [order, phase] = wave_over_angle(setting, c, u);
+            vec![torque, order, phase]
+        }
+        "torque_ripple" => {
+            let [order, phase] = wave_over_angle(setting, c, u);
+            vec![(size < 0.9).then_some(size)?, order, phase]
+        }
+        "load_dependent_friction" => vec![0.9 * size],
+        // At 1 the work of a recording leaves a hundredth of the friction; it cools away in half to twice as long.
+        "temperature_viscosity" => {
+            let work_j = c.torque * c.speed * c.duration_s;
+            vec![5.0 * size / work_j, 1.0 / (c.duration_s * (0.5 + 1.5 * u[1]))]
         }
         "inertia" => vec![above(physics.inertia_kg_m2 * (1.0 + both(size)), 0.3 * physics.inertia_kg_m2)?],
         "gravity_load" => vec![torque, angle],

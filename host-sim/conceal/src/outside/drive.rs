@@ -79,3 +79,48 @@ impl Hidden for Sag {
         torque * (1.0 - share * drawn / (1.0 + drawn))
     }
 }
+
+/// A supply whose voltage the turning motor uses up: what is left limits the torque that drives, not the one that brakes. The limit is
+/// the torque over the share at rest, and falls by the torque until the speed.
+pub(super) struct BackEmf(pub(super) [f64; 3]);
+
+impl Hidden for BackEmf {
+    fn drive(&mut self, seen: &Seen, torque: f64) -> f64 {
+        let [share, speed, most] = self.0;
+        if torque * seen.speed <= 0.0 {
+            return torque;
+        }
+        let headroom = most * (1.0 / share - seen.speed.abs() / speed).max(0.0);
+        torque.clamp(-headroom, headroom)
+    }
+}
+
+/// A current controller that knows only whole steps, none of them at zero.
+pub(super) struct Steps(pub(super) [f64; 2]);
+
+impl Hidden for Steps {
+    fn drive(&mut self, _: &Seen, torque: f64) -> f64 {
+        let [step, offset] = self.0;
+        ((torque / step + offset).round() - offset) * step
+    }
+}
+
+/// Torque that can only change so fast: inductance and a limited voltage.
+pub(super) struct Slew {
+    per_s: f64,
+    torque: f64,
+}
+
+impl Slew {
+    pub(super) fn new(v: &[f64]) -> Self {
+        Self { per_s: v[0], torque: 0.0 }
+    }
+}
+
+impl Hidden for Slew {
+    fn drive(&mut self, seen: &Seen, torque: f64) -> f64 {
+        let most = self.per_s * seen.step_s;
+        self.torque += (torque - self.torque).clamp(-most, most);
+        self.torque
+    }
+}

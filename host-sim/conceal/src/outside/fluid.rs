@@ -68,3 +68,39 @@ impl Hidden for Saturates {
         self.0 * (field_kv_mm / self.0).tanh()
     }
 }
+
+/// Vanes or grooves that hold the fluid's chains better one way than the other.
+pub(super) struct OneWay(pub(super) f64);
+
+impl Hidden for OneWay {
+    fn drag(&mut self, seen: &Seen, level: f64) -> f64 {
+        let direction = if seen.speed == 0.0 { 0.0 } else { seen.speed.signum() };
+        level * (1.0 + 0.5 * self.0 * direction)
+    }
+}
+
+/// Chains that stand upright again at each turn and resist more until the shear has bent them: the overshoot of stress at the start of
+/// a shear.
+pub(super) struct Overshoot {
+    share: f64,
+    way: f64,
+    travelled: f64,
+    last: f64,
+}
+
+impl Overshoot {
+    pub(super) fn new(v: &[f64]) -> Self {
+        Self { share: v[0], way: v[1], travelled: 0.0, last: 0.0 }
+    }
+}
+
+impl Hidden for Overshoot {
+    fn drag(&mut self, seen: &Seen, level: f64) -> f64 {
+        if seen.speed * self.last < 0.0 {
+            self.travelled = 0.0;
+        }
+        self.last = if seen.speed == 0.0 { self.last } else { seen.speed };
+        self.travelled += seen.step_s * seen.speed.abs();
+        level * (1.0 + self.share * (-self.travelled / self.way).exp())
+    }
+}

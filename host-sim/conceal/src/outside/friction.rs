@@ -154,3 +154,79 @@ impl Hidden for LateStribeck {
         Rub::level(self.level * self.excess)
     }
 }
+
+/// Rolling bodies that deform before they roll: springs that slip one after another, so that the torque remembers where the axis
+/// turned round (Prandtl's elements; Al-Bender and Symens, 2005, for rolling friction). All have slipped after the way.
+pub(super) struct Rolling {
+    level: f64,
+    way: f64,
+    torques: [f64; 4],
+}
+
+impl Rolling {
+    pub(super) fn new(v: &[f64]) -> Self {
+        Self { level: v[0], way: v[1], torques: [0.0; 4] }
+    }
+}
+
+impl Hidden for Rolling {
+    fn torque(&mut self, seen: &Seen) -> f64 {
+        let (travel, most) = (seen.speed * seen.step_s, self.level / self.torques.len() as f64);
+        for (index, torque) in self.torques.iter_mut().enumerate() {
+            // The first slips after a sixteenth of the way.
+            let way = self.way * 0.4_f64.powi(index as i32);
+            *torque = (*torque + most * travel / way).clamp(-most, most);
+        }
+        -self.torques.iter().sum::<f64>()
+    }
+}
+
+/// Balls that climb out of their groove after a turn, wedge, and settle as the nut moves on: a peak of friction some way after each
+/// reversal.
+pub(super) struct Wedged {
+    level: f64,
+    way: f64,
+    travelled: f64,
+    last: f64,
+}
+
+impl Wedged {
+    pub(super) fn new(v: &[f64]) -> Self {
+        Self { level: v[0], way: v[1], travelled: 0.0, last: 0.0 }
+    }
+}
+
+impl Hidden for Wedged {
+    fn friction(&mut self, seen: &Seen) -> Rub {
+        if seen.speed * self.last < 0.0 {
+            self.travelled = 0.0;
+        }
+        // Rest is no turn.
+        self.last = if seen.speed == 0.0 { self.last } else { seen.speed };
+        self.travelled += seen.step_s * seen.speed.abs();
+        let ways = self.travelled / self.way;
+        Rub::level(self.level * ways * (1.0 - ways).exp())
+    }
+}
+
+/// A film between a shaft and a bearing that do not share their centre: thin at some angles, thick at others.
+pub(super) struct UnevenFilm(pub(super) [f64; 3]);
+
+impl Hidden for UnevenFilm {
+    fn friction(&mut self, seen: &Seen) -> Rub {
+        let [viscous, order, phase] = self.0;
+        Rub { viscous: viscous * (1.0 + (order * seen.position + phase).sin()), ..Rub::NONE }
+    }
+}
+
+/// Eddy currents in iron that turns in a field: a drag that grows with the speed, has its most at one and falls beyond (Smythe,
+/// Trans. AIEE 61 (1942) 681).
+pub(super) struct EddyBrake(pub(super) [f64; 2]);
+
+impl Hidden for EddyBrake {
+    fn friction(&mut self, seen: &Seen) -> Rub {
+        let [level, speed] = self.0;
+        let ratio = seen.speed / speed;
+        Rub { viscous: 2.0 * level / speed / (1.0 + ratio * ratio), ..Rub::NONE }
+    }
+}

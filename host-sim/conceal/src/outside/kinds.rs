@@ -2,32 +2,37 @@
 
 use std::f64::consts::TAU;
 
-use super::{Hidden, Kind, Put, Scales, Shape, drive, fluid, friction, mechanics, sensor, spring};
+use super::{Hidden, Kind, Needs, Put, Scales, Shape, drive, fluid, friction, later, mechanics, sensor, spring};
 use crate::catalogue;
 use crate::physics::{Physics, Wave};
 
+/// Every kind.
+pub fn kinds() -> impl Iterator<Item = &'static Kind> {
+    KINDS.iter().chain(later::KINDS)
+}
+
 /// The kind called `id`.
 pub fn find(id: &str) -> Option<&'static Kind> {
-    KINDS.iter().find(|kind| kind.id == id)
+    kinds().find(|kind| kind.id == id)
 }
 
 /// Every family once, in the order of the list.
 pub fn families() -> Vec<&'static str> {
-    let mut families: Vec<&'static str> = KINDS.iter().map(|kind| kind.family).collect();
+    let mut families: Vec<&'static str> = kinds().map(|kind| kind.family).collect();
     families.dedup();
     families
 }
 
-type Values = fn(&Scales, f64, &Shape) -> Vec<f64>;
+pub(super) type Values = fn(&Scales, f64, &Shape) -> Vec<f64>;
 
-const fn beside(
+pub(super) const fn beside(
     family: &'static str,
     id: &'static str,
     parameters: &'static [&'static str],
     values: Values,
     make: fn(&[f64]) -> Box<dyn Hidden>,
 ) -> Kind {
-    Kind { id, family, parameters, needs_fluid: false, values, put: Put::Beside(make) }
+    Kind { id, family, parameters, needs: Needs::Nothing, values, put: Put::Beside(make) }
 }
 
 const fn number(
@@ -37,11 +42,16 @@ const fn number(
     values: Values,
     put: fn(&mut Physics, &[f64]),
 ) -> Kind {
-    Kind { id, family, parameters, needs_fluid: false, values, put: Put::Number(put) }
+    Kind { id, family, parameters, needs: Needs::Nothing, values, put: Put::Number(put) }
 }
 
-const fn of_fluid(kind: Kind) -> Kind {
-    Kind { needs_fluid: true, ..kind }
+pub(super) const fn of_fluid(kind: Kind) -> Kind {
+    Kind { needs: Needs::Fluid, ..kind }
+}
+
+/// Of the drive: a torque that was measured shows nothing of it.
+pub(super) const fn of_drive(kind: Kind) -> Kind {
+    Kind { needs: Needs::Command, ..kind }
 }
 
 /// As the fixed plan puts it.
@@ -51,12 +61,12 @@ fn put(id: &str, physics: &mut Physics, values: &[f64]) {
     }
 }
 
-fn phase(shape: &Shape) -> f64 {
+pub(super) fn phase(shape: &Shape) -> f64 {
     TAU * (shape[0] - 0.5)
 }
 
 /// Radians of phase for each rad or m: at least one and a half periods in the motion.
-fn order(scales: &Scales, shape: &Shape) -> f64 {
+pub(super) fn order(scales: &Scales, shape: &Shape) -> f64 {
     (1.5 + 6.0 * shape[1]) * TAU / (2.0 * scales.travel)
 }
 
@@ -74,8 +84,8 @@ fn heat(scales: &Scales, share: f64, shape: &Shape) -> Vec<f64> {
     vec![share, power(scales) * time_s, 2.0 * time_s]
 }
 
-/// Every kind. Those that are numbers of the machine are the nine of the fixed plan.
-pub static KINDS: &[Kind] = &[
+/// The kinds of the first rounds. Those that are numbers of the machine are the nine of the fixed plan.
+static KINDS: &[Kind] = &[
     number(
         "friction over position",
         "friction_over_position",
@@ -195,49 +205,49 @@ pub static KINDS: &[Kind] = &[
         |c, s, u| vec![s * c.torque / c.travel, (0.1 + 0.5 * u[0]) * c.travel / c.speed],
         |v| Box::new(spring::CreepingSpring::new(v)),
     ),
-    beside(
+    of_drive(beside(
         "torque ripple",
         "torque_ripple",
         &["share", "order", "phase_rad"],
         |c, s, u| vec![s.min(0.9), whole_order(c, u), phase(u)],
         |v| Box::new(drive::Ripple([v[0], v[1], v[2]])),
-    ),
-    beside(
+    )),
+    of_drive(beside(
         "torque ripple",
         "commutation_dips",
         &["share", "order", "phase_rad"],
         |c, s, u| vec![s.min(0.9), whole_order(c, u), phase(u)],
         |v| Box::new(drive::Dips([v[0], v[1], v[2]])),
-    ),
-    number(
+    )),
+    of_drive(number(
         "torque hysteresis",
         "torque_memory",
         &["share", "half_width"],
         |c, s, u| vec![s.min(0.95), c.torque * (0.2 + u[0])],
         |p, v| put("torque_memory", p, v),
-    ),
-    beside(
+    )),
+    of_drive(beside(
         "torque hysteresis",
         "torque_creep",
         &["share", "time_s"],
         |_, s, u| vec![0.8 * s.min(1.0), 0.05 + 0.2 * u[0]],
         |v| Box::new(drive::Creep::new(v)),
-    ),
-    number(
+    )),
+    of_drive(number(
         "torque curve",
         "magnetic_saturation",
         &["level"],
         |c, s, _| vec![c.torque / s],
         |p, v| put("magnetic_saturation", p, v),
-    ),
-    beside(
+    )),
+    of_drive(beside(
         "torque curve",
         "gain_by_sign",
         &["difference"],
         |_, s, u| vec![if u[0] < 0.5 { s.min(0.9) } else { -s.min(0.9) }],
         |v| Box::new(drive::GainBySign(v[0])),
-    ),
-    beside(
+    )),
+    of_drive(beside(
         "torque over supply",
         "gain_fades",
         &["share", "energy", "cooling_s"],
@@ -246,14 +256,14 @@ pub static KINDS: &[Kind] = &[
             vec![s.min(0.9), c.torque * c.torque * time_s, 2.0 * time_s]
         },
         |v| Box::new(drive::Fades::new(v)),
-    ),
-    beside(
+    )),
+    of_drive(beside(
         "torque over supply",
         "supply_sags",
         &["share", "power_w"],
         |c, s, u| vec![s.min(0.9), power(c) * (0.3 + u[0])],
         |v| Box::new(drive::Sag([v[0], v[1]])),
-    ),
+    )),
     beside(
         "sensor nonlinearity",
         "bent_scale",
@@ -360,18 +370,22 @@ pub static KINDS: &[Kind] = &[
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
+    use super::super::NAMED_SINCE;
     use super::*;
     use std::collections::BTreeSet;
 
     #[test]
     fn there_are_enough_kinds_in_families_that_stand_together() {
-        let ids: BTreeSet<&str> = KINDS.iter().map(|kind| kind.id).collect();
+        let ids: BTreeSet<&str> = kinds().map(|kind| kind.id).collect();
         let unique: BTreeSet<&str> = families().into_iter().collect();
         println!("{} kinds in {} families", ids.len(), unique.len());
-        assert!(ids.len() == KINDS.len() && ids.len() >= 25 && unique.len() == families().len());
+        assert!(ids.len() == kinds().count() && ids.len() >= 25 && unique.len() == families().len());
         for entry in catalogue::ENTRIES.iter().filter(|entry| !entry.in_vocabulary) {
             assert!(find(entry.id).is_some(), "{}", entry.id);
         }
-        assert!(catalogue::ENTRIES.iter().filter(|entry| entry.in_vocabulary).all(|entry| find(entry.id).is_none()));
+        let named = |entry: &&catalogue::Entry| entry.in_vocabulary && find(entry.id).is_some();
+        for entry in catalogue::ENTRIES.iter().filter(named) {
+            assert!(NAMED_SINCE.iter().any(|(kind, _)| *kind == entry.id), "{}", entry.id);
+        }
     }
 }

@@ -86,3 +86,67 @@ impl Hidden for Linkage {
         1.0 + share * (order * seen.position + phase).sin()
     }
 }
+
+/// A rotor out of balance on a soft mount, whose bending lets the weight work against the turning: a torque with the square of the speed
+/// at one order of the angle.
+pub(super) struct Whirl(pub(super) [f64; 3]);
+
+impl Hidden for Whirl {
+    fn torque(&mut self, seen: &Seen) -> f64 {
+        let [coefficient, order, phase] = self.0;
+        coefficient * seen.speed * seen.speed * (order * seen.position + phase).sin()
+    }
+}
+
+/// Weights on springs that fly out with the speed: the momentum is J (1 + share x / (1 + x)) w with x the square of speed over theirs.
+pub(super) struct Governor(pub(super) [f64; 2]);
+
+impl Hidden for Governor {
+    fn inertia(&self, seen: &Seen) -> f64 {
+        let [share, speed] = self.0;
+        let x = (seen.speed / speed).powi(2);
+        // The slope of the momentum over the speed.
+        1.0 + share * x * (3.0 + x) / (1.0 + x).powi(2)
+    }
+}
+
+/// A liquid inside, dragged along by turbulent shear with the square of the difference of speeds.
+pub(super) struct Fill {
+    coefficient: f64,
+    inertia: f64,
+    speed: f64,
+}
+
+impl Fill {
+    pub(super) fn new(v: &[f64]) -> Self {
+        Self { coefficient: v[0], inertia: v[1], speed: 0.0 }
+    }
+}
+
+impl Hidden for Fill {
+    fn torque(&mut self, seen: &Seen) -> f64 {
+        let slip = seen.speed - self.speed;
+        let torque = self.coefficient * slip * slip.abs();
+        self.speed += seen.step_s * torque / self.inertia;
+        -torque
+    }
+}
+
+/// A constant push that comes as the machine warms up: a belt that tightens over its pulleys.
+pub(super) struct Grows(pub(super) [f64; 2]);
+
+impl Hidden for Grows {
+    fn torque(&mut self, seen: &Seen) -> f64 {
+        let [torque, time_s] = self.0;
+        -torque * (-seen.t_s / time_s).exp_m1()
+    }
+}
+
+/// A hose or cable that cools and stiffens: a spring that grows with the time.
+pub(super) struct Hose(pub(super) f64);
+
+impl Hidden for Hose {
+    fn torque(&mut self, seen: &Seen) -> f64 {
+        -self.0 * seen.t_s * seen.position
+    }
+}

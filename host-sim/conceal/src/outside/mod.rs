@@ -7,13 +7,16 @@ mod drive;
 mod fluid;
 mod friction;
 mod kinds;
+mod later;
 mod mechanics;
+#[cfg(test)]
+mod named_since;
 mod sensor;
 mod spring;
 
 use std::fmt;
 
-pub use kinds::{KINDS, families, find};
+pub use kinds::{families, find, kinds};
 
 use crate::physics::Physics;
 
@@ -113,6 +116,17 @@ pub(crate) enum Put {
     Beside(fn(&[f64]) -> Box<dyn Hidden>),
 }
 
+/// What a machine and its log must have for a kind to show.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Needs {
+    /// An axis.
+    Nothing,
+    /// A damper.
+    Fluid,
+    /// A torque column that was commanded.
+    Command,
+}
+
 /// A kind of effect outside the vocabulary.
 pub struct Kind {
     /// Identifier.
@@ -121,8 +135,8 @@ pub struct Kind {
     pub family: &'static str,
     /// What the values are.
     pub parameters: &'static [&'static str],
-    /// Whether it needs a damper.
-    pub needs_fluid: bool,
+    /// What a machine must have for it.
+    pub needs: Needs,
     /// Values at a size: 0 for no effect, 1 for one as large as the motion's own torques. The first tells the strength.
     pub(crate) values: fn(&Scales, f64, &Shape) -> Vec<f64>,
     pub(crate) put: Put,
@@ -168,6 +182,15 @@ impl Hiding {
         }
     }
 }
+
+/// Kinds that were outside the vocabulary when a plan was made, and the effects that are the same law now; a kind stays in the list, for
+/// results name it.
+pub const NAMED_SINCE: [(&str, &str); 3] = [
+    ("friction_by_load", "load_dependent_friction"),
+    ("torque_ripple", "torque_ripple"),
+    // Warmed by the power of the drive and not of the drag: the same but while the axis gains speed.
+    ("grease_warms", "temperature_viscosity"),
+];
 
 /// From 0 below to 1 above, over a width on either side.
 fn ramp(value: f64, width: f64) -> f64 {

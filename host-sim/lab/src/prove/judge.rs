@@ -5,6 +5,8 @@ mod places;
 use std::collections::BTreeSet;
 use std::f64::consts::TAU;
 
+use conceal::indistinct::indistinct;
+use conceal::outside::NAMED_SINCE;
 use conceal::plan::Arm;
 use conceal::seal::{Concealed, Truth};
 use serde::{Deserialize, Serialize};
@@ -70,6 +72,9 @@ pub struct Outcome {
     pub exact: bool,
     /// The first name is of the concealed set.
     pub first_right: bool,
+    /// The first name is of the concealed set, or one that no motion tells from one of it.
+    #[serde(default)]
+    pub first_indistinct: bool,
     /// Every concealed effect is named or listed as equivalent.
     pub listed: bool,
     /// `named`, and its first effect is not there.
@@ -80,6 +85,9 @@ pub struct Outcome {
     /// `partial`, and its first effect is not there.
     #[serde(default)]
     pub partial_wrong: bool,
+    /// It offers names by whatever verdict, and any of them is neither there nor of the log or its noise.
+    #[serde(default)]
+    pub wrongly_named: bool,
     /// The answer was to abstain (`none`, `unknown`, `controller`), and so it did.
     pub abstained_right: bool,
     /// Of rightly named effects.
@@ -109,34 +117,52 @@ fn concealed(truth: &Truth) -> BTreeSet<&str> {
     truth.effects.iter().map(|effect| effect.id.as_str()).collect()
 }
 
-/// Kinds that were outside the vocabulary when a plan was made, and the effects that are the same law now.
-const NAMED_SINCE: [(&str, &str); 1] = [("friction_by_load", "load_dependent_friction")];
-
 /// Orders over position that differ by less are one: neighbours up to the fiftieth are told apart.
 const SAME_ORDER: f64 = 0.02;
 
-/// Whether an answer's effect is the concealed one and not another of its kind, as a ripple of the noise is beside a cogging.
+/// Whether an effect over the position that was named has this order; so has one of which the answer gives none.
+fn of_order(named: &Named, order: f64) -> bool {
+    let mut orders = named.parameters.iter().filter(|parameter| parameter.id.starts_with("order_per_"));
+    let found = orders.find_map(|parameter| parameter.value);
+    found.is_none_or(|found| (found - order).abs() <= SAME_ORDER * order.abs())
+}
+
+/// Whether the order of what is concealed, where it has one, is that of a name: a ripple of the noise is no cogging of another order.
+fn same_order(concealed: &Concealed, named: &Named) -> bool {
+    let mut orders = concealed.parameters.iter().filter(|(id, _)| id == "order" || id.starts_with("order_per_"));
+    orders.all(|(_, order)| of_order(named, *order))
+}
+
+/// Whether an answer's effect is the concealed one and not another of its kind.
 fn is_it(concealed: &Concealed, named: &Named) -> bool {
-    let same = |(id, order): &(String, f64)| {
-        let found = named.parameters.iter().find(|parameter| parameter.id == *id).and_then(|parameter| parameter.value);
-        !id.starts_with("order_per_") || found.is_none_or(|found| (found - order).abs() <= SAME_ORDER * order.abs())
-    };
-    concealed.id == named.id && concealed.parameters.iter().all(same)
+    concealed.id == named.id && same_order(concealed, named)
 }
 
 fn is_concealed(truth: &Truth, named: &Named) -> bool {
     truth.effects.iter().any(|effect| is_it(effect, named))
 }
 
+/// Whether an answer's effect is of what is concealed or, by any motion, the same.
+fn is_concealed_or_indistinct(truth: &Truth, named: &Named) -> bool {
+    is_concealed(truth, named) || truth.effects.iter().any(|effect| indistinct(truth, effect, &named.id))
+}
+
 /// What stands for the log or the noise of a drawn machine, or for a kind that has a name since.
-fn beside(truth: &Truth, id: &str) -> bool {
-    let of_log = || truth.machine.iter().flat_map(|machine| &machine.beside).any(|other| other == id);
-    NAMED_SINCE.iter().any(|(kind, effect)| concealed(truth).contains(kind) && *effect == id) || of_log()
+fn beside(truth: &Truth, named: &Named) -> bool {
+    let of_machine = truth.machine.as_ref().is_some_and(|machine| {
+        machine.beside.contains(&named.id)
+            // The ripple of the noise is a cogging of its own order and of no other.
+            && (named.id != "cogging" || machine.ripple_order.is_none_or(|order| of_order(named, order)))
+    });
+    let since = |effect: &Concealed| {
+        NAMED_SINCE.contains(&(effect.id.as_str(), named.id.as_str())) && same_order(effect, named)
+    };
+    of_machine || truth.arm == Arm::Outside && truth.effects.iter().any(since)
 }
 
 /// Whether an answer may name it without being wrong. Under a name that was taken out, or never was, nothing concealed is there.
 fn there(truth: &Truth, named: &Named) -> bool {
-    nameable(truth) && is_concealed(truth, named) || beside(truth, &named.id)
+    nameable(truth) && is_concealed(truth, named) || beside(truth, named)
 }
 
 /// `named` with a first effect that is not there.
@@ -166,6 +192,16 @@ fn partly_wrong(truth: &Truth, answer: &Answer) -> bool {
 /// `named` with any effect that is not there.
 fn strays(truth: &Truth, answer: &Answer) -> bool {
     answer.verdict == Verdict::Named && answer.effects.iter().any(|effect| !there(truth, effect))
+}
+
+/// Names offered by any verdict of which one is not there.
+fn names_wrongly(truth: &Truth, answer: &Answer) -> bool {
+    offers(answer.verdict) && answer.effects.iter().any(|effect| !there(truth, effect))
+}
+
+/// Verdicts that offer what they name.
+fn offers(verdict: Verdict) -> bool {
+    matches!(verdict, Verdict::Named | Verdict::Partial | Verdict::Ambiguous)
 }
 
 /// Smallest size that a drawn case asks to be found, over the detectable one: what is found in half of the cases is asked of none.
@@ -198,7 +234,7 @@ impl Outcome {
         // What belongs to the log is no effect of the machine, concealed or not.
         let right = |effect: &Named| is_concealed(&truth, effect);
         let own: Vec<&Named> =
-            answer.effects.iter().filter(|effect| right(effect) || !beside(&truth, &effect.id)).collect();
+            answer.effects.iter().filter(|effect| right(effect) || !beside(&truth, effect)).collect();
         let found = |one: &Concealed| answer.effects.iter().any(|effect| is_it(one, effect));
         let hinted = |one: &Concealed| found(one) || equivalent.contains(&one.id);
         let nameable = nameable(&truth);
@@ -207,10 +243,12 @@ impl Outcome {
         Self {
             exact: nameable && own.iter().all(|effect| right(effect)) && truth.effects.iter().all(found),
             first_right: nameable && own.first().is_some_and(|effect| right(effect)),
+            first_indistinct: nameable && own.first().is_some_and(|effect| is_concealed_or_indistinct(&truth, effect)),
             listed: nameable && truth.effects.iter().all(hinted),
             confidently_wrong: confidently_wrong(&truth, answer),
             stray: strays(&truth, answer),
             partial_wrong: partly_wrong(&truth, answer),
+            wrongly_named: names_wrongly(&truth, answer),
             abstained_right: !nameable && abstains(&truth, answer),
             intervals: truth.effects.iter().flat_map(|effect| intervals(effect, answer)).collect(),
             heldout_over_floor: over_floor.filter(|ratio| ratio.is_finite()),
@@ -247,7 +285,7 @@ impl Outcome {
 
     /// Whether it named anything, by whatever verdict that offers names.
     pub fn offers_names(&self) -> bool {
-        matches!(self.verdict, Verdict::Named | Verdict::Partial | Verdict::Ambiguous) && !self.named.is_empty()
+        offers(self.verdict) && !self.named.is_empty()
     }
 
     /// What was concealed, in words.
@@ -284,94 +322,4 @@ fn intervals(concealed: &Concealed, answer: &Answer) -> Vec<Interval> {
 }
 
 #[cfg(test)]
-mod tests {
-    #![allow(clippy::unwrap_used)]
-    use super::*;
-
-    fn answer(verdict: &str, id: &str, equivalent: &str) -> Answer {
-        let text = format!(
-            r#"{{"schema": 1, "verdict": "{verdict}", "effects": [{{"id": "{id}", "text": "", "equivalent": [{equivalent}],
-            "parameters": [{{"id": "phase_rad", "value": 3.1, "low": 3.0, "high": 3.2, "unit": "rad"}}]}}],
-            "fit": {{"heldout_after_rms": 1.1, "noise_floor_rms": 1.0}},
-            "locations": [{{"recording": "a.csv", "start_s": 1.2, "end_s": 1.4, "share": 0.3, "text": ""}}],
-            "regions": [{{"channel": "position_rad", "low": 0, "high": 1, "share": 0.5}}]}}"#
-        );
-        serde_json::from_str(&text).unwrap()
-    }
-
-    fn judged(arm: Arm, id: &str, parameters: &[(&str, f64)], answer: &Answer) -> Outcome {
-        let parameters = parameters.iter().map(|(id, value)| ((*id).to_owned(), *value)).collect();
-        let effect = Concealed { id: id.to_owned(), in_vocabulary: true, size: 1.0, strength: 1.0, parameters };
-        let effects = if id.is_empty() { Vec::new() } else { vec![effect] };
-        let truth = Truth { effects, ..super::super::score::testing::truth(arm) };
-        Outcome::of(truth, String::new(), answer, 0.0)
-    }
-
-    #[test]
-    fn a_right_name_counts_and_a_phase_a_turn_away_is_the_same() {
-        let right =
-            judged(Arm::Single, "gravity_load", &[("phase_rad", 3.05 - TAU)], &answer("named", "gravity_load", ""));
-        assert!(right.is_right() && right.exact && right.first_right && !right.confidently_wrong);
-        assert!(right.intervals.iter().all(|interval| interval.holds) && right.intervals.len() == 1);
-        assert_eq!((right.region_right, right.heldout_over_floor), (Some(true), Some(1.1)));
-        let outside = judged(Arm::Single, "gravity_load", &[("phase_rad", 2.0)], &answer("named", "gravity_load", ""));
-        assert!(!outside.intervals[0].holds);
-    }
-
-    #[test]
-    fn another_order_is_another_cogging() {
-        let text = serde_json::to_string(&serde_json::json!({"schema": 1, "verdict": "named", "effects": [{"id": "cogging", "text": "",
-            "equivalent": [], "parameters": [{"id": "order_per_rev", "value": 36, "low": 36, "high": 36, "unit": "1/rev"}]}]}))
-        .unwrap();
-        let answer: Answer = serde_json::from_str(&text).unwrap();
-        for (order, is_it) in [(36.0, true), (12.0, false)] {
-            let judged = judged(Arm::Single, "cogging", &[("order_per_rev", order)], &answer);
-            assert_eq!([judged.exact, judged.first_right, judged.listed, !judged.confidently_wrong], [is_it; 4]);
-            assert_eq!(judged.intervals.len(), usize::from(is_it));
-        }
-    }
-
-    #[test]
-    fn a_wrong_first_name_is_confident_where_it_is_named_and_counts_apart_where_it_is_partial() {
-        let wrong = judged(Arm::Single, "inertia", &[], &answer("named", "torque_gain", ""));
-        assert!(wrong.confidently_wrong && !wrong.listed && !wrong.is_right());
-        let hedged = judged(Arm::Single, "inertia", &[], &answer("named", "torque_gain", "\"inertia\""));
-        assert!(hedged.confidently_wrong && hedged.listed && !hedged.first_right);
-        let partial = judged(Arm::Single, "inertia", &[], &answer("partial", "torque_gain", ""));
-        assert!(!partial.confidently_wrong && partial.partial_wrong && !partial.is_right());
-        let ambiguous = judged(Arm::Single, "inertia", &[], &answer("ambiguous", "torque_gain", "\"inertia\""));
-        assert!(!ambiguous.confidently_wrong && !ambiguous.is_right());
-        assert!(judged(Arm::Poor, "inertia", &[], &answer("ambiguous", "torque_gain", "\"inertia\"")).is_right());
-    }
-
-    #[test]
-    fn outside_the_library_any_plain_name_is_wrong_and_unknown_is_right() {
-        let named = judged(Arm::Outside, "torque_memory", &[], &answer("named", "torque_gain", ""));
-        assert!(named.confidently_wrong && !named.abstained_right);
-        assert!(judged(Arm::Outside, "torque_memory", &[], &answer("unknown", "torque_gain", "")).is_right());
-        assert!(judged(Arm::Clean, "", &[], &answer("named", "torque_gain", "")).confidently_wrong);
-        assert!(judged(Arm::Clean, "", &[], &answer("none", "torque_gain", "")).is_right());
-        assert!(judged(Arm::Decoy, "", &[], &answer("none", "torque_gain", "")).is_right());
-        assert!(judged(Arm::Decoy, "inertia", &[], &answer("named", "inertia", "")).is_right());
-        assert!(judged(Arm::Controller, "", &[], &answer("controller", "torque_gain", "")).is_right());
-    }
-
-    #[test]
-    fn a_push_is_located_by_the_share_that_both_spans_cover() {
-        let push = |start_s| {
-            let values = [("start_s", start_s), ("duration_s", 0.1)];
-            judged(Arm::Single, "disturbance_pulse", &values, &answer("named", "disturbance_pulse", ""))
-                .located
-                .unwrap()
-        };
-        assert!((push(1.15) - 0.05 / 0.25).abs() < 1e-9 && push(2.0) == 0.0 && (push(1.3) - 0.5).abs() < 1e-9);
-    }
-
-    #[test]
-    fn after_the_experiment_only_named_and_exact_is_right() {
-        let truth = judged(Arm::Poor, "inertia", &[], &answer("none", "inertia", "")).truth;
-        assert!(After::of(&truth, &answer("named", "inertia", "")).right);
-        assert!(!After::of(&truth, &answer("ambiguous", "inertia", "")).right);
-        assert!(After::of(&truth, &answer("named", "torque_gain", "")).confidently_wrong);
-    }
-}
+mod tests;

@@ -21,6 +21,7 @@ pub fn pass(score: &Score) -> Table {
         let interval = pass.interval.map_or_else(String::new, |[low, high]| format!("{low:.3} to {high:.3}"));
         let met = match (pass.measured, pass.met) {
             (None, _) => "-",
+            _ if pass.required.is_empty() => "beside",
             (_, true) => "met",
             (_, false) => "NOT MET",
         };
@@ -32,16 +33,33 @@ pub fn pass(score: &Score) -> Table {
 
 /// Counts by arm.
 pub fn arms(score: &Score) -> Table {
-    let head =
-        vec!["arm", "right", "exact set", "first name", "listed", "abstained", "confidently wrong", "named anything"];
+    let head = vec![
+        "arm",
+        "right",
+        "exact set",
+        "first name",
+        "or one that no motion tells from it",
+        "listed",
+        "abstained",
+        "confidently wrong",
+        "named anything",
+        "wrongly",
+    ];
     let row = |arm: &ArmScore| {
-        let counts = [arm.right, arm.exact, arm.first, arm.listed, arm.abstained, arm.wrong, arm.named];
+        let named = [arm.right, arm.exact, arm.first, arm.first_indistinct, arm.listed];
+        let counts = named.into_iter().chain([arm.abstained, arm.wrong, arm.named, arm.wrongly]);
         [arm.arm.name().to_owned()].into_iter().chain(counts.map(count)).collect()
     };
     (head, score.arms.iter().map(row).collect())
 }
 
-/// Conclusions by arm.
+/// The exact 95 % interval of a share.
+fn bounds(count: Count) -> String {
+    let [low, high] = count.interval();
+    format!("{low:.3} to {high:.3}")
+}
+
+/// Conclusions by arm, each with the exact 95 % interval of its share.
 pub fn verdicts(score: &Score) -> Table {
     const ALL: [Verdict; 6] =
         [Verdict::None, Verdict::Named, Verdict::Partial, Verdict::Ambiguous, Verdict::Unknown, Verdict::Controller];
@@ -50,9 +68,11 @@ pub fn verdicts(score: &Score) -> Table {
     head.extend(["confidently wrong", "exact 95 % interval", "named with a stray", "partial, first name wrong"]);
     let row = |arm: &ArmScore| {
         let mut cells = vec![arm.arm.name().to_owned()];
-        cells.extend(ALL.map(|verdict| arm.verdicts.get(&verdict).copied().unwrap_or(0).to_string()));
-        let [low, high] = arm.wrong.interval();
-        cells.extend([count(arm.wrong), format!("{low:.3} to {high:.3}"), count(arm.stray), count(arm.partial_wrong)]);
+        cells.extend(ALL.map(|verdict| {
+            let holds = arm.verdicts.get(&verdict).copied().unwrap_or(0);
+            format!("{holds} ({})", bounds(Count { holds, of: arm.wrong.of }))
+        }));
+        cells.extend([count(arm.wrong), bounds(arm.wrong), count(arm.stray), count(arm.partial_wrong)]);
         cells
     };
     (head, score.arms.iter().map(row).collect())
@@ -193,4 +213,31 @@ pub fn markdown((head, rows): &Table) -> String {
     let mut text = line(head.iter().map(|cell| (*cell).to_owned()).collect());
     text += &format!("|{}\n", "---|".repeat(head.len()));
     text + &rows.iter().map(|row| line(row.clone())).collect::<String>()
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::prove::run::Ran;
+    use crate::prove::score::testing;
+    use conceal::plan::Arm;
+
+    #[test]
+    fn every_conclusion_of_an_arm_has_its_exact_bounds() {
+        let outcome = |verdict: &str| {
+            let answer = serde_json::from_str(&format!(r#"{{"verdict": "{verdict}", "effects": []}}"#)).unwrap();
+            Outcome::of(testing::truth(Arm::Outside), String::new(), &answer, 1.0)
+        };
+        let mut outcomes = vec![outcome("unknown"); 60];
+        outcomes.extend(vec![outcome("named"); 2]);
+        outcomes.extend([outcome("partial"), outcome("ambiguous")]);
+        let score = Score::of(&Ran { outcomes, failures: Vec::new() });
+        let (head, rows) = verdicts(&score);
+        let cell = |name: &str| rows[0][head.iter().position(|word| *word == name).unwrap()].clone();
+        // None of 64: 1 - 0.025^(1/64). One of 64 and two of 64: Clopper and Pearson's beta quantiles.
+        assert_eq!([cell("none"), cell("partial")], ["0 (0.000 to 0.056)", "1 (0.000 to 0.084)"]);
+        assert_eq!([cell("named"), cell("ambiguous")], ["2 (0.004 to 0.108)", "1 (0.000 to 0.084)"]);
+        assert_eq!(cell("unknown"), "60 (0.848 to 0.983)");
+    }
 }

@@ -146,13 +146,15 @@ impl Change {
         }
     }
 
-    /// Adds an effect to every recording: the commands are what a machine that also has it would need for the same motion.
+    /// Adds an effect to every recording: the commands are what a machine that also has it would need for the same motion, so much
+    /// earlier as its drive is late.
     fn add(self, subject: &mut Subject) -> Option<Added> {
         let machine = &subject.machine;
-        // Behind a delay or a limit a command is not the torque of its instant.
-        if machine.plant.torque_delay_from_sample_s() > 0.0 || machine.plant.torque_gain != 1.0 {
+        // Of another gain it is not known whether it is the drive's or the column's.
+        if machine.plant.torque_gain != 1.0 {
             return None;
         }
+        let delay_s = machine.plant.torque_delay_from_sample_s();
         let linear = machine.axis.kind == crate::read::AxisKind::Linear;
         let by_axis = |rotary: &'static str, on_linear: &'static str| if linear { on_linear } else { rotary };
         let commands: Vec<f64> = subject.fitted.iter().filter_map(effort).flatten().collect();
@@ -179,8 +181,8 @@ impl Change {
             let Some(motion) = Motion::of(log) else { return };
             let needed = |row: usize| match self {
                 Self::Offset => -by,
-                Self::Spring => by * motion.position[row],
-                _ => by * motion.speed[row],
+                Self::Spring => by * motion.later(&motion.position, row, delay_s),
+                _ => by * motion.later(&motion.speed, row, delay_s),
             };
             ["torque_", "force_"].iter().for_each(|one| log.change(one, |row, value| value + needed(row)));
         });
@@ -203,6 +205,7 @@ fn rms(values: impl Iterator<Item = f64>) -> f64 {
 
 /// Mean position and speed while a row's command was held.
 struct Motion {
+    t_s: Vec<f64>,
     position: Vec<f64>,
     speed: Vec<f64>,
 }
@@ -219,6 +222,19 @@ impl Motion {
         Some(Self {
             position: (0..=last).map(|row| 0.5 * (position[row] + position[next(row)])).collect(),
             speed: (0..=last).map(slope).collect(),
+            t_s,
         })
+    }
+
+    /// A column of it some time after a row, between rows by a straight line; the last row holds.
+    fn later(&self, column: &[f64], row: usize, delay_s: f64) -> f64 {
+        let wanted_s = self.t_s[row] + delay_s;
+        let after = self.t_s.partition_point(|t_s| *t_s < wanted_s).min(column.len() - 1);
+        if after == 0 {
+            return column[0];
+        }
+        let (from_s, to_s) = (self.t_s[after - 1], self.t_s[after]);
+        let share = ((wanted_s - from_s) / (to_s - from_s)).clamp(0.0, 1.0);
+        column[after - 1] + share * (column[after] - column[after - 1])
     }
 }

@@ -54,6 +54,25 @@ fn an_added_effect_is_what_the_commands_need_beside() {
     assert!((viscous.fitted[0].numbers("torque_").unwrap()[1] - (2.0 + 500.0 * by)).abs() < 1e-9);
 }
 
+#[test]
+fn behind_a_late_drive_the_commands_come_earlier_by_its_delay() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut subject = subject(folder.path());
+    let position = |row: i32| f64::from(row * row);
+    let rows: String = (0..40).map(|row| format!("{},{},1,{row}\n", f64::from(row) * 1e-3, position(row))).collect();
+    subject.fitted[0] = {
+        std::fs::write(folder.path().join("d.csv"), format!("t_s,position_rad,torque_cmd_nm,seq\n{rows}")).unwrap();
+        Log::read(&folder.path().join("d.csv")).unwrap()
+    };
+    subject.machine.plant.torque_delay_s = 2.5e-3;
+    let by = Change::Spring.apply(&mut subject).unwrap().unwrap().by;
+    // What acts in the row that begins 2.5 rows later: the mean position of it and of the one before.
+    let middle = |row: i32| 0.5 * (position(row) + position(row + 1));
+    let wanted = 1.0 + by * 0.5 * (middle(12) + middle(13));
+    let found = subject.fitted[0].numbers("torque_").unwrap()[10];
+    assert!((found - wanted).abs() < 1e-9 * wanted, "{found} {wanted}");
+}
+
 fn answer(verdict: &str, id: &str, value: f64) -> Answer {
     let text = format!(
         r#"{{"verdict": "{verdict}", "effects": [{{"id": "{id}", "parameters": [

@@ -5,7 +5,7 @@ mod least_squares;
 pub(crate) mod sets;
 mod windows;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use rayon::prelude::*;
@@ -48,6 +48,9 @@ pub struct Fold {
     /// Root mean square that windows of either length leave, in the unit of the position: nominal model, written model, least
     /// squares.
     pub left: [[Option<f64>; 3]; 2],
+    /// Effects of the written model that the windows are simulated without.
+    #[serde(default)]
+    pub without: BTreeSet<String>,
     /// Time the diagnosis took, s.
     pub seconds: f64,
 }
@@ -152,6 +155,7 @@ fn fold(model: &Model, held_out: usize, data: &Path, out: &Path, tool: &Tool) ->
         named: answer.effects.iter().map(|effect| effect.id.clone()).collect(),
         answered: model.known.iter().map(|known| estimate(&answer, known)).collect(),
         left,
+        without: Simulated::of(&written).without().clone(),
         seconds,
     };
     let text = serde_json::to_string_pretty(&fold).map_err(|error| Error::Usage(error.to_string()))?;
@@ -238,7 +242,11 @@ fn shares(folds: &[Fold], horizon: usize) -> String {
         ratios.map(|ratios| (ratios.iter().sum::<f64>() / ratios.len().max(1) as f64).exp())
     };
     let word = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), |value| format!("{value:.3}"));
-    format!("{}, {}", word(mean(1)), word(mean(2)))
+    // What the written model has and the windows have not is said beside it.
+    let without: BTreeSet<&str> = folds.iter().flat_map(|fold| &fold.without).map(String::as_str).collect();
+    let without: Vec<&str> = without.into_iter().collect();
+    let mark = if without.is_empty() { String::new() } else { format!(" (without {})", without.join(", ")) };
+    format!("{}{mark}, {}", word(mean(1)), word(mean(2)))
 }
 
 #[cfg(test)]

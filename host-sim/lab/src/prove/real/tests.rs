@@ -59,12 +59,25 @@ fn every_set_has_every_machine_file_and_one_row_in_the_table() {
     let files: std::collections::BTreeSet<(&str, &str)> =
         MODELS.iter().map(|model| (model.folder, model.file)).collect();
     assert_eq!(files.len(), 12, "{files:?}");
+    // Each known effect hidden alone, and none of them.
+    for (folder, hidden) in [
+        ("emps", ["nothing", "dry friction", "viscous friction", "offset"].as_slice()),
+        ("odrive_cogging", &["nothing", "cogging"]),
+        ("dfki", &["nothing", "gravity", "dry friction", "viscous friction"]),
+        ("weigand", &["nothing", "dry friction", "viscous friction", "offset"]),
+    ] {
+        for hidden in hidden {
+            let of = |model: &&super::sets::Model| model.folder == folder && model.hidden == *hidden;
+            assert_eq!(MODELS.iter().filter(of).count(), if folder == "weigand" { 2 } else { 1 }, "{folder} {hidden}");
+        }
+    }
     let fold = |verdict, name: &str, value: f64| Fold {
         held_out: "a.csv".to_owned(),
         verdict,
         named: vec![name.to_owned()],
         answered: vec![Some([value, value - 1.0, value + 1.0])],
         left: [[Some(2.0), Some(1.0), Some(0.5)]; 2],
+        without: std::collections::BTreeSet::new(),
         seconds: 1.0,
     };
     let folds = vec![
@@ -73,11 +86,13 @@ fn every_set_has_every_machine_file_and_one_row_in_the_table() {
         Fold { answered: vec![None], ..fold(Verdict::Partial, "torque_deadband", 0.0) },
     ];
     let known = vec![("coulomb_friction.coulomb_n".to_owned(), [20.39, 20.39], "a paper".to_owned())];
-    let outcome = RealOutcome { name: "emps/machine".to_owned(), hidden: "dry friction".to_owned(), known, folds };
-    let (_, rows) = table(&[outcome]);
+    let mut outcome = RealOutcome { name: "emps/machine".to_owned(), hidden: "dry friction".to_owned(), known, folds };
+    let (_, rows) = table(std::slice::from_ref(&outcome));
     assert_eq!(rows[0][2..4], ["partial 2, named 1", "coulomb_friction 2, torque_deadband 1"]);
     assert_eq!(rows[0][4], "coulomb_friction.coulomb_n 20.39: 2 of 3: 20.0000 to 21.0000");
     assert_eq!(rows[0][5..], ["0.500, 0.250", "0.500, 0.250"]);
+    outcome.folds[1].without.insert("vibration".to_owned());
+    assert_eq!(table(&[outcome]).1[0][5], "0.500 (without vibration), 0.250");
 }
 
 #[test]

@@ -59,6 +59,9 @@ pub struct ArmScore {
     pub exact: Count,
     /// First name right, of the same.
     pub first: Count,
+    /// First name right or one that no motion tells from it, of the same.
+    #[serde(default)]
+    pub first_indistinct: Count,
     /// Truth named or offered as equivalent, of the same.
     pub listed: Count,
     /// Abstained where that was right, of the rest.
@@ -73,6 +76,9 @@ pub struct ArmScore {
     pub stray: Count,
     /// `partial`, and the first name is not there; of the partial answers.
     pub partial_wrong: Count,
+    /// Named anything that is neither there nor of the log or its noise.
+    #[serde(default)]
+    pub wrongly: Count,
 }
 
 /// One line of the pass line.
@@ -176,6 +182,7 @@ impl ArmScore {
             right: Count::over(large(), |outcome| outcome.is_right()),
             exact: Count::over(to_name(), |outcome| outcome.exact),
             first: Count::over(to_name(), |outcome| outcome.first_right),
+            first_indistinct: Count::over(to_name(), |outcome| outcome.first_indistinct),
             listed: Count::over(to_name(), |outcome| outcome.listed),
             abstained: Count::over(large().filter(|o| !nameable(&o.truth)), |outcome| outcome.abstained_right),
             wrong: Count::over(&all, |outcome| outcome.confidently_wrong),
@@ -183,6 +190,7 @@ impl ArmScore {
             verdicts,
             stray: Count::over(&all, |outcome| outcome.stray),
             partial_wrong: Count::over(partial, |outcome| outcome.partial_wrong),
+            wrongly: Count::over(&all, |outcome| outcome.wrongly_named),
         };
         (!all.is_empty()).then_some(score)
     }
@@ -216,10 +224,18 @@ fn pass(outcomes: &[Outcome], power: &[Curve], reliability: &Reliability, over_o
     let oracle = quantiles(over_oracle.to_vec(), [0.95, 0.95]).map(|[high, _]| high);
     vec![
         at_most("named on clean data", Count::over(of(&[Arm::Clean]), |outcome| outcome.offers_names()), 0.01),
+        Pass::beside(
+            "of that wrongly: neither a skew of the log nor the ripple of the noise at its order",
+            Count::over(of(&[Arm::Clean]), |outcome| outcome.wrongly_named),
+        ),
         at_least(
             "first name right, single effects at twice the detectable size",
-            Count::over(singles, |o| o.first_right),
+            Count::over(&singles, |o| o.first_right),
             0.97,
+        ),
+        Pass::beside(
+            "first name right or one that no motion tells from it",
+            Count::over(&singles, |o| o.first_indistinct),
         ),
         at_least("exact pairs", Count::over(of(&[Arm::Pair]).iter().filter(|o| asked(&o.truth)), |o| o.exact), 0.90),
         wrong("confidently wrong with the name taken out of the library", Arm::Removed),
@@ -239,6 +255,11 @@ fn pass(outcomes: &[Outcome], power: &[Curve], reliability: &Reliability, over_o
 }
 
 impl Pass {
+    /// A figure beside a line, of which nothing is required.
+    fn beside(what: &str, count: Count) -> Self {
+        Self { met: true, ..Self::share(what, String::new(), count, |_| true) }
+    }
+
     fn share(what: &str, required: String, count: Count, holds: impl Fn(f64) -> bool) -> Self {
         let any = count.of > 0;
         Self {
@@ -275,7 +296,7 @@ fn quantiles(mut values: Vec<f64>, at: [f64; 2]) -> Option<[f64; 2]> {
 }
 
 #[cfg(test)]
-pub(super) mod testing {
+pub(in crate::prove) mod testing {
     use conceal::plan::Arm;
     use conceal::seal::Truth;
 
@@ -312,7 +333,9 @@ mod tests {
         outcomes.push(outcome(Arm::Outside, 1.0, "named", "inertia"));
         let score = Score::of(&Ran { outcomes: outcomes.clone(), failures: Vec::new() });
         let met: Vec<bool> = score.pass.iter().map(|pass| pass.met).collect();
-        assert_eq!(met, [true, true, false, false, false, false, false, true], "{:?}", score.pass);
+        assert_eq!(met, [true, true, true, true, false, false, false, false, false, true], "{:?}", score.pass);
+        // What stands beside the line is no line.
+        assert_eq!(score.pass.iter().filter(|pass| pass.required.is_empty()).count(), 2);
         // The name on clean data and the one outside the library; an effect too small to be found is no miss.
         assert_eq!(score.misses(&outcomes).count(), 2);
         assert_eq!(score.confusion["inertia"]["(none)"], 3);
