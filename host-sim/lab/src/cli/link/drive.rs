@@ -8,6 +8,7 @@ use er_servo::link::{Command, Status};
 use er_servo::parameters::{Parameter, TABLE};
 use wire::connection::LinkError;
 
+use super::set::Assignment;
 use super::{BEAT, Drive, RUNNING, Run, STOPPING, Stay, TAKES_EFFECT, status};
 use crate::cli::decode::note_parameters;
 use crate::decode::parameter_line;
@@ -153,9 +154,8 @@ impl Drive {
         output::print(&TABLE.iter().filter(is_asked).map(line).collect::<String>())
     }
 
-    pub(super) fn set(&mut self, values: &[(String, f32)], force: bool) -> Result<(), Error> {
-        let values: Vec<(&str, f32)> = values.iter().map(|(name, value)| (name.as_str(), *value)).collect();
-        let outcome = self.connection.set_parameters(&values, force);
+    pub(super) fn set(&mut self, values: &[Assignment], force: bool) -> Result<(), Error> {
+        let outcome = self.connection.set_parameters(values, force);
         self.known(outcome)
     }
 }
