@@ -3,6 +3,7 @@
 use core::cell::UnsafeCell;
 use core::mem::MaybeUninit;
 use core::panic::PanicInfo;
+use core::sync::atomic::{Ordering, compiler_fence};
 
 use cortex_m_rt::{ExceptionFrame, exception};
 use stm32f4xx_hal::pac;
@@ -146,12 +147,27 @@ fn panic(info: &PanicInfo<'_>) -> ! {
     halt()
 }
 
+/// Words of the frame that the core stacks: r0 to r3, r12, lr, pc, xpsr (ARMv7-M reference manual, B1.5.7).
+const FRAME_LR: usize = 5;
+const FRAME_PC: usize = 6;
+
 // The handler has a stack of its own, so that an overflow of thread mode's ends here and not in a locked-up core.
 #[allow(unsafe_code)]
 #[exception]
 unsafe fn HardFault(frame: &ExceptionFrame) -> ! {
     outputs_off();
-    remember(2, [frame.pc(), frame.lr(), 0]);
+    // First safe, then curious: after an overflow of the stack the frame may lie where there is no memory, and a core that
+    // faults again here locks up. Nothing of the frame may be read before, which a reference alone would allow.
+    compiler_fence(Ordering::SeqCst);
+    remember(2, [0; 3]);
+    let [pc, lr] = [FRAME_PC, FRAME_LR].map(|word| {
+        // SAFETY: as above: a frame that is not there is not read but faults, with everything done that must be.
+        #[allow(unsafe_code)]
+        unsafe {
+            core::ptr::from_ref(frame).cast::<u32>().add(word).read_volatile()
+        }
+    });
+    remember(2, [pc, lr, 0]);
     halt()
 }
 
