@@ -16,7 +16,7 @@ use stm32f4xx_hal::serial::Tx;
 use stm32f4xx_hal::watchdog::IndependentWatchdog;
 
 use super::board::{QUEUE_OFFSETS, Ring};
-use super::clock;
+use super::clock::Random;
 use super::log::{self, Log};
 use super::storage::Storage;
 use super::tick;
@@ -34,6 +34,7 @@ pub struct Link {
     telemetry: Telemetry,
     server: Server,
     storage: Storage,
+    random: Random,
     last: Option<Frame>,
     ahead: Ahead,
     /// The last packet took long: none is handled before a tick has come.
@@ -51,7 +52,8 @@ impl Link {
     ) -> Self {
         let ahead = Ahead { sequence: None, offsets };
         let (out, telemetry) = (Out::new(), Telemetry::default());
-        Self { ring, tx, out, telemetry, server, storage, last: None, ahead, ticks_first: false }
+        let random = Random::default();
+        Self { ring, tx, out, telemetry, server, storage, random, last: None, ahead, ticks_first: false }
     }
 
     /// Takes note of a tick, for the status, and of a fault, for the event log.
@@ -71,8 +73,8 @@ impl Link {
             // Two packets in a row that each pause the ticks for 45 ms would outlast the watchdog.
             let Some(byte) = (if self.ticks_first { None } else { self.ring.next() }) else { break };
             let (storage, last, ahead) = (&mut self.storage, self.last.as_ref(), &mut self.ahead);
-            let (telemetry, out) = (&mut self.telemetry, &mut self.out);
-            let mut image = Image { log, watchdog, storage, last, ahead, telemetry, out, paused: false };
+            let (telemetry, out, random) = (&mut self.telemetry, &mut self.out, &mut self.random);
+            let mut image = Image { log, watchdog, storage, random, last, ahead, telemetry, out, paused: false };
             let reply = self.server.push(byte, &mut image);
             self.ticks_first = image.paused;
             if let Some(reply) = reply {
@@ -196,6 +198,7 @@ struct Image<'a> {
     log: &'a mut Log,
     watchdog: &'a mut IndependentWatchdog,
     storage: &'a mut Storage,
+    random: &'a mut Random,
     last: Option<&'a Frame>,
     ahead: &'a mut Ahead,
     telemetry: &'a mut Telemetry,
@@ -217,7 +220,7 @@ impl Drive for Image<'_> {
     }
 
     fn random(&mut self) -> u32 {
-        clock::random()
+        self.random.number()
     }
 
     fn state(&self) -> State {

@@ -17,11 +17,13 @@
 mod commander;
 mod drive;
 mod framing;
+mod numbers;
 mod server;
 
 pub use commander::{Commander, Offset};
 pub use drive::Drive;
 pub use framing::{Malformed, Received, Receiver, TooLong, encode, encode_telemetry};
+pub use numbers::Neighbours;
 pub use server::Server;
 
 use serde::{Deserialize, Serialize};
