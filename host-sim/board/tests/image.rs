@@ -12,9 +12,9 @@ use common::{ENABLE, events, firmware, log, ms, recorded, run_alone, world};
 use er_servo::drivers::scaling::{FieldCode, TorqueCode};
 use er_servo::events::Event;
 use er_servo::experiment::{Experiment, Shape};
-use er_servo::link::{Answer, Command, Refusal};
+use er_servo::link::{Answer, Command, Pace, Refusal, Target};
 use er_servo::parameters::TABLE;
-use er_servo::{Config, Counts, Faults, Frame, Mode, Params, State, Supervisor, step};
+use er_servo::{Config, Counts, Faults, Frame, Limits, Mode, Params, State, Supervisor, step};
 use rigless::mcu::Operate;
 use rigless::soc::Width;
 use wire::log::{Entry, Image, recordings};
@@ -93,6 +93,13 @@ fn a_step_response_of_two_seconds_is_that_of_the_host_to_the_bit() {
     // Frames are in a ring of their own: people's log has none.
     assert!(log(&run).iter().all(|entry| matches!(entry, Entry::Event(_))));
     assert!(events(&log(&run)).iter().any(|event| event.contains("damper, ")), "the mode is told");
+    // A limit is told with the tick that reached it.
+    let tick_of =
+        |event: &String| event.strip_prefix("tick ")?.strip_suffix(": field off over off_speed_rad_s")?.parse().ok();
+    let limited: Vec<u32> = events(&log(&run)).iter().filter_map(tick_of).collect();
+    let frame = |seq: &u32| recording.frames.iter().find(|frame| frame.seq == *seq).unwrap();
+    assert!(!limited.is_empty(), "{:?}", events(&log(&run)));
+    assert!(limited.iter().all(|seq| frame(seq).outputs.limits.contains(Limits::OVER_OFF_SPEED)), "{limited:?}");
     // The machine has moved by 30 degrees and stands within what friction holds.
     assert!(
         (run.driver.rotor.angle_rad() - 0.0123 - std::f64::consts::FRAC_PI_6).abs() < 0.01,
@@ -263,6 +270,31 @@ fn event(run: &common::Run) -> Option<Event> {
     answers.into_iter().find_map(|answer| if let Answer::Event(event) = answer { event } else { None })
 }
 
+/// Whether the axis was homed, each time that the status was asked for.
+fn homed(run: &common::Run) -> Vec<bool> {
+    let answers = run.driver.link.replies.iter().map(|(_, reply)| reply.answer);
+    answers.filter_map(|answer| if let Answer::Status(status) = answer { Some(status.homed) } else { None }).collect()
+}
+
+#[test]
+fn a_save_costs_the_axis_its_position() {
+    let firmware = firmware();
+    // An erase takes up to 0.8 s, and what is homed must be so in the tick after.
+    let after_ms = 1000.0;
+    let mut world = world(&firmware, after_ms + 20.0);
+    world.link.at(ms(77.0), Command::SetPosition { counts: 1000 });
+    world.link.at(ms(80.0), Command::Status);
+    world.link.at(ms(82.0), Command::Save);
+    world.link.at(ms(after_ms), Command::Status);
+    world.link.at(ms(after_ms + 2.0), ENABLE);
+    let (target, pace) = (Target::Absolute(1000), Pace::default());
+    world.link.at(ms(after_ms + 6.0), Command::Reference { target, pace, torque_bound_nm: 0 });
+    let run = firmware.run(world).unwrap();
+    assert_eq!(homed(&run), [true, false]);
+    let last = run.driver.link.replies.last().unwrap().1.answer;
+    assert_eq!(last, Answer::Refused(Refusal::NotHomed));
+}
+
 #[test]
 fn clears_in_a_row_do_not_starve_the_watchdog() {
     let firmware = firmware();
@@ -280,10 +312,16 @@ fn clears_in_a_row_do_not_starve_the_watchdog() {
     assert_eq!(answers.count(), 5, "{:?}", run.driver.link.replies);
 }
 
+/// DBGMCU APB1_FZ.
+const APB1_FREEZE: u64 = 0xE004_2008;
+
 #[test]
 fn the_image_sets_the_part_up_within_its_limits() {
     let firmware = firmware();
-    let mut run = firmware.run(world(&firmware, 120.0)).unwrap();
+    let mut world = world(&firmware, 120.0);
+    // As a debugger would have left it, which no reset of the core clears.
+    world.at(ms(0.0), |_, board, _, now| board.mcu.write(now, APB1_FREEZE, Width::W32, u64::from(u32::MAX)).unwrap());
+    let mut run = firmware.run(world).unwrap();
     let now = run.stop.unwrap().at;
     let mut register = |address| run.session.board_mut().mcu.peek(now, address, Width::W32).unwrap();
     // C_ADC CCR, ADCPRE: a quarter of 84 MHz; the converter takes 36 at most.
@@ -291,5 +329,7 @@ fn the_image_sets_the_part_up_within_its_limits() {
     // RCC CR, CSSON: a crystal that fails is a non-maskable interrupt.
     assert_eq!(register(0x4002_3800) >> 19 & 1, 1);
     // DBGMCU APB1_FZ: the watchdog and the timers TIM3 and TIM5 run on while a debugger holds the core.
-    assert_eq!(register(0xE004_2008) & (1 << 12 | 1 << 1 | 1 << 3), 0);
+    let kept = register(APB1_FREEZE);
+    assert_eq!(kept & (1 << 12 | 1 << 1 | 1 << 3), 0, "{kept:#x}");
+    assert_ne!(kept, 0, "the emulator keeps what a debugger writes");
 }
