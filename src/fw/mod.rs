@@ -22,6 +22,7 @@ mod tick;
 use cortex_m_rt::entry;
 
 use board::Board;
+use er_servo::Params;
 use er_servo::link::Server;
 use link::Link;
 use log::Log;
@@ -57,6 +58,9 @@ extern "C" fn thread() -> ! {
     let Some(mut board) = Board::take() else { safe::halt() };
     let mut log = Log::new();
     log.booted(board.reset_faults, before);
+    if Params::for_image(&board.config, false).is_err() {
+        log::forced();
+    }
     if let Err(error) = board.servo.init() {
         log::init_failed(&error);
     }

@@ -31,11 +31,12 @@ use serde::{Deserialize, Serialize};
 use crate::events::Event;
 use crate::experiment::Experiment;
 pub use crate::motion::Pace;
+use crate::{Config, ConfigError, Params};
 
 /// Baud rate, 8N1.
 pub const BAUD: u32 = 921_600;
 /// Version of the messages; another one is refused.
-pub const PROTOCOL: u16 = 5;
+pub const PROTOCOL: u16 = 6;
 /// Longest packet as it is sent, the zero included.
 pub const PACKET_BYTES: usize = 128;
 /// Longest packet of telemetry as it is sent.
@@ -257,10 +258,22 @@ pub enum ParameterSource {
     Link,
     /// The link, against the advice of the stability margins.
     Forced,
+    /// The flash, where it was saved although it had been forced against the advice of the stability margins.
+    StoredForced,
     /// The image, because what the flash holds is damaged or of another release.
     Damaged,
     /// An older set in flash, because the newest is of another release.
     RolledBack,
+}
+
+impl ParameterSource {
+    /// Of a set that is in flash. A record does not say whether it was forced; its margins do.
+    pub fn stored(config: &Config) -> Self {
+        match Params::for_image(config, false) {
+            Err(ConfigError::Unstable(_)) => Self::StoredForced,
+            _ => Self::Flash,
+        }
+    }
 }
 
 impl core::fmt::Display for ParameterSource {
@@ -270,6 +283,7 @@ impl core::fmt::Display for ParameterSource {
             Self::Flash => "flash",
             Self::Link => "link, not saved",
             Self::Forced => "link, forced against the stability margins, not saved",
+            Self::StoredForced => "flash, forced against the stability margins",
             Self::Damaged => "built in, because the flash holds a damaged or foreign set",
             Self::RolledBack => "an older set in flash, because the newest is of another release",
         })

@@ -79,7 +79,7 @@ prop_compose! {
         halves: [u16; 2], bytes: [u8; 3], recording: bool, homed: bool,
         parameters in proptest::sample::select(vec![
             ParameterSource::BuiltIn, ParameterSource::Flash, ParameterSource::Link, ParameterSource::Forced,
-            ParameterSource::Damaged,
+            ParameterSource::StoredForced, ParameterSource::Damaged, ParameterSource::RolledBack,
         ]),
     ) -> Status {
         let [tick, worst_cycles, packets, damaged, overlong, replayed, refused, faults, ..] = words;
