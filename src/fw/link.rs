@@ -2,7 +2,7 @@
 //! they mean is the library's [`Server`], what they act on is here.
 
 use embedded_hal_nb::serial::Write;
-use er_servo::events::Event;
+use er_servo::events::{Event, Restart};
 use er_servo::experiment::Sequence;
 use er_servo::link::{Drive, Offset, PACKET_BYTES, Pace, Refusal, Reply, Server, TELEMETRY_BYTES};
 use er_servo::motion::MotionLimits;
@@ -35,6 +35,8 @@ pub struct Link {
     server: Server,
     storage: Storage,
     random: Random,
+    /// What the reset before this start is put down to.
+    restart: Restart,
     last: Option<Frame>,
     ahead: Ahead,
     /// The last packet took long: none is handled before a tick has come.
@@ -42,25 +44,27 @@ pub struct Link {
 }
 
 impl Link {
-    /// With a server that knows the parameters the law was started with.
+    /// With a server that knows the parameters the law was started with; `restart` is for the event of an abnormal reset.
     pub fn new(
         ring: Ring,
         tx: Tx<USART2>,
         storage: Storage,
         server: Server,
         offsets: Producer<'static, Offset, QUEUE_OFFSETS>,
+        restart: Restart,
     ) -> Self {
         let ahead = Ahead { sequence: None, offsets };
         let (out, telemetry) = (Out::new(), Telemetry::default());
         let random = Random::default();
-        Self { ring, tx, out, telemetry, server, storage, random, last: None, ahead, ticks_first: false }
+        Self { ring, tx, out, telemetry, server, storage, random, restart, last: None, ahead, ticks_first: false }
     }
 
     /// Takes note of a tick, for the status, and of a fault, for the event log.
     pub fn frame(&mut self, frame: &Frame) {
         let was_fault = self.last.is_some_and(|last| matches!(last.outputs.supervisor, Supervisor::Fault { .. }));
         if let (Supervisor::Fault { faults }, false) = (frame.outputs.supervisor, was_fault) {
-            self.storage.log_event(&event(frame, faults));
+            let restart = faults.contains(Faults::ABNORMAL_RESET).then_some(self.restart);
+            self.storage.log_event(&Event { restart, ..event(frame, faults) });
         }
         self.telemetry.frame(frame, &mut self.out);
         self.last = Some(*frame);
@@ -107,6 +111,7 @@ fn event(frame: &Frame, faults: Faults) -> Event {
         speed_rad_s: frame.outputs.speed_rad_s,
         worst_cycles: frame.timing.worst_cycles,
         resolver_faults: frame.inputs.resolver.fault_byte,
+        restart: None,
     }
 }
 

@@ -23,6 +23,7 @@ use cortex_m_rt::entry;
 
 use board::Board;
 use er_servo::Params;
+use er_servo::events::Restart;
 use er_servo::link::Server;
 use link::Link;
 use log::Log;
@@ -67,7 +68,8 @@ extern "C" fn thread() -> ! {
     board.watchdog.feed();
     tick::start(board.servo, board.edges, board.frames_in, board.offsets, board.reset_faults);
     let server = Server::new(board.config, board.source);
-    let mut link = Link::new(board.ring, board.tx, board.storage, server, board.offsets_in);
+    let restart = before.map_or(Restart::Watchdog, |(_, why)| why.into());
+    let mut link = Link::new(board.ring, board.tx, board.storage, server, board.offsets_in, restart);
     loop {
         let mut ticked = false;
         while let Some(frame) = board.frames.dequeue() {

@@ -6,6 +6,7 @@ use core::panic::PanicInfo;
 use core::sync::atomic::{Ordering, compiler_fence};
 
 use cortex_m_rt::{ExceptionFrame, exception};
+use er_servo::events::Restart;
 use stm32f4xx_hal::pac;
 
 use super::board::{CLEAR_PIN, FAULT_LAMP_PIN, HV_ENABLE_PIN};
@@ -71,6 +72,19 @@ pub enum Why {
     ClockFailed,
     /// An interrupt that has no handler.
     Interrupt(u32),
+}
+
+impl From<Why> for Restart {
+    /// As short as the event log has it.
+    fn from(why: Why) -> Self {
+        match why {
+            Why::Unknown => Self::Watchdog,
+            Why::Panic(_, line) => Self::Panic(u16::try_from(line).unwrap_or(u16::MAX)),
+            Why::HardFault(..) => Self::HardFault,
+            Why::ClockFailed => Self::ClockFailed,
+            Why::Interrupt(number) => Self::Interrupt(number as u16),
+        }
+    }
 }
 
 /// What happened before this reset: how long the drive had run, ms, and why it stopped. `None` after power-up.

@@ -8,9 +8,8 @@ use std::f64::consts::TAU;
 
 use board::flash::{Array, Shared};
 use board::world::INTERLOCK;
-use common::{ENABLE, events, firmware, log, ms, recorded, run_alone, world};
+use common::{ENABLE, event, events, firmware, log, ms, recorded, run_alone, world};
 use er_servo::drivers::scaling::{FieldCode, TorqueCode};
-use er_servo::events::Event;
 use er_servo::experiment::{Experiment, Shape};
 use er_servo::link::{Answer, Command, Pace, Refusal, Target};
 use er_servo::parameters::TABLE;
@@ -263,11 +262,6 @@ fn a_fault_is_in_flash_and_is_told_after_the_power_was_off() {
     let run = firmware.run(world).unwrap();
     assert_eq!(event(&run), Some(first));
     assert_eq!(run.driver.flash.lock().refused, 0, "every store keeps the rules of the flash interface");
-}
-
-fn event(run: &common::Run) -> Option<Event> {
-    let answers = run.driver.link.replies.iter().rev().map(|(_, reply)| reply.answer);
-    answers.into_iter().find_map(|answer| if let Answer::Event(event) = answer { event } else { None })
 }
 
 /// Whether the axis was homed, each time that the status was asked for.
