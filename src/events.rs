@@ -1,8 +1,9 @@
 //! The last faults, in flash: what a person asks for after the drive was found standing still.
 //!
 //! One sector is a log of records; each begins with its number and a check, so that a record that a power failure has torn
-//! is passed over. A full sector is tidied when the drive starts: the newest records are kept in memory while it is erased
-//! and written back, so a power failure in that half second loses them. Faults that come when it is full are not logged.
+//! is passed over. A sector that is nearly full is tidied when the drive starts, a full one when a fault is cleared, so that
+//! the next fault finds room: the newest records are kept in memory while it is erased and written back, so a power failure
+//! in that half second loses them.
 //!
 //! | bytes of a record | content |
 //! |---|---|
@@ -185,12 +186,25 @@ impl EventLog {
         Ok(log)
     }
 
+    /// Whether the next event would find no room.
+    pub fn is_full(&self) -> bool {
+        self.next_at >= self.range.end
+    }
+
+    /// Makes room in a full sector; the last [`KEPT`] stay.
+    ///
+    /// # Errors
+    /// [`StorageError::Flash`].
+    pub async fn make_room<F: NorFlash>(&mut self, flash: &mut F) -> Result<(), StorageError> {
+        if self.is_full() { self.tidy(flash).await } else { Ok(()) }
+    }
+
     /// Writes an event behind the others; one that finds the sector full is dropped.
     ///
     /// # Errors
     /// [`StorageError::Flash`].
     pub async fn append<F: NorFlash>(&mut self, flash: &mut F, event: &Event) -> Result<(), StorageError> {
-        if self.next_at >= self.range.end {
+        if self.is_full() {
             return Ok(());
         }
         let record = Event { number: self.next_number, ..*event }.encode();
@@ -325,6 +339,25 @@ mod tests {
                 assert_eq!(found, Event { number, ..event(number) });
             }
         }
+    }
+
+    #[test]
+    fn a_drive_that_is_never_started_again_keeps_the_last_64_too() {
+        let mut flash = Flash(vec![ERASED; SECTOR]);
+        let mut log = block_on(EventLog::open(&mut flash, RANGE)).unwrap();
+        let mut tidied = 0;
+        for nth in 0..600 {
+            block_on(log.append(&mut flash, &event(nth))).unwrap();
+            // The fault is cleared.
+            tidied += u32::from(log.is_full());
+            block_on(log.make_room(&mut flash)).unwrap();
+            for back in 0..KEPT.min(nth as usize + 1) as u8 {
+                let found = block_on(log.newest(&mut flash, back)).unwrap().unwrap();
+                assert_eq!(found.number, nth - u32::from(back));
+            }
+        }
+        // 128 places: 64 more after each time.
+        assert_eq!(tidied, 1 + (600 - 128) / 64);
     }
 
     #[test]

@@ -313,6 +313,13 @@ impl Drive for Image<'_> {
         self.storage.event(back)
     }
 
+    fn make_room_for_events(&mut self) {
+        if self.storage.events_are_full() {
+            self.paused = true;
+            self.storage.make_room_for_events(self.watchdog);
+        }
+    }
+
     fn recording(&self) -> bool {
         self.log.recording() || self.telemetry.recording.is_some()
     }

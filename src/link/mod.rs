@@ -61,7 +61,8 @@ pub enum Command {
     },
     /// Running to ready, through a stop of the axis where the parameters say so. Any session may.
     Disable,
-    /// Brings chips that failed up again, and leaves the fault state once no cause is left.
+    /// Brings chips that failed up again, and leaves the fault state once no cause is left. Where the event log is full, which
+    /// takes hundreds of faults, it is tidied before: ticks pause for up to a second, and the position is lost.
     ClearFault,
     /// Calls the position by another name, from which on the axis is homed; only while ready.
     SetPosition {

@@ -236,6 +236,7 @@ impl Server {
         if faults.intersects(hardware) {
             drive.reinitialise()?;
         }
+        drive.make_room_for_events();
         drive.request(Request::ClearFault);
         Ok(())
     }

@@ -236,7 +236,9 @@ fn refusals_say_why() {
     faulty.drive.chips_fail = true;
     faulty.refused(Command::ClearFault, Refusal::Hardware);
     faulty.drive.chips_fail = false;
+    assert!(!faulty.drive.asked.contains(&"make room"), "not for a clear that was refused");
     faulty.done(Command::ClearFault);
+    assert!(faulty.drive.asked.contains(&"make room"), "for the next fault");
     assert_eq!(faulty.status().state, 0);
 }
 

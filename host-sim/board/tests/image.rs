@@ -6,10 +6,13 @@ mod common;
 use std::collections::BTreeSet;
 use std::f64::consts::TAU;
 
-use board::flash::{Array, Shared};
+use board::flash::{Array, Change, SECTOR_BYTES, Shared};
 use board::world::INTERLOCK;
+use common::flash::OnHost;
 use common::{ENABLE, event, events, firmware, log, ms, recorded, run_alone, world};
+use embassy_futures::block_on;
 use er_servo::drivers::scaling::{FieldCode, TorqueCode};
+use er_servo::events::{Event, EventLog};
 use er_servo::experiment::{Experiment, Shape};
 use er_servo::link::{Answer, Command, Pace, Refusal, Target};
 use er_servo::parameters::TABLE;
@@ -287,6 +290,59 @@ fn a_save_costs_the_axis_its_position() {
     assert_eq!(homed(&run), [true, false]);
     let last = run.driver.link.replies.last().unwrap().1.answer;
     assert_eq!(last, Answer::Refused(Refusal::NotHomed));
+}
+
+/// Faults in flash before, and those after which the log is full: a start leaves room for 64.
+const FILLS_BEFORE: u32 = 448;
+const FILLS: u32 = 64;
+/// From one fault to the next: clear, chips settled, enabled.
+const FAULT_MS: f64 = 34.0;
+
+/// Sector 3 with so many faults in it, and parameter sectors with nothing.
+fn with_events(count: u32) -> Vec<u8> {
+    let mut bytes = Array::default().bytes;
+    let mut flash = OnHost(&mut bytes);
+    let sector = 2 * SECTOR_BYTES as u32..3 * SECTOR_BYTES as u32;
+    let mut log = block_on(EventLog::open(&mut flash, sector)).unwrap();
+    (0..count).for_each(|_| block_on(log.append(&mut flash, &Event::default())).unwrap());
+    bytes
+}
+
+#[test]
+fn an_event_log_that_fills_up_is_tidied_at_a_clear_and_keeps_the_newest() {
+    let firmware = firmware();
+    let first_ms = 80.0;
+    let until_ms = first_ms + FAULT_MS * f64::from(FILLS);
+    // An erase takes up to 0.8 s.
+    let after_ms = until_ms + 900.0;
+    let mut world = world(&firmware, after_ms + 80.0);
+    world.flash = Shared::new(Array::holding(with_events(FILLS_BEFORE)));
+    world.link.at(ms(77.0), Command::SetPosition { counts: 0 });
+    for nth in 0..=FILLS {
+        let at_ms = if nth < FILLS { first_ms + FAULT_MS * f64::from(nth) } else { after_ms };
+        world.link.at(ms(at_ms), ENABLE);
+        world.drive_at(ms(at_ms + 3.0), INTERLOCK, false);
+        world.drive_at(ms(at_ms + 4.0), INTERLOCK, true);
+        world.link.at(ms(at_ms + 6.0), Command::Status);
+        world.link.at(ms(at_ms + 8.0), Command::ClearFault);
+    }
+    world.link.at(ms(after_ms + 70.0), Command::Event { back: 0 });
+    let run = firmware.run(world).unwrap();
+    assert!(run.session.resets().is_empty(), "the watchdog waits for the erase: {:?}", run.session.resets());
+    let answers: Vec<Answer> = run.driver.link.replies.iter().map(|(_, reply)| reply.answer).collect();
+    assert!(!answers.iter().any(|answer| matches!(answer, Answer::Refused(_))), "{answers:?}");
+    assert_eq!(
+        homed(&run).iter().position(|homed| !homed),
+        Some(FILLS as usize),
+        "the position is lost with the erase"
+    );
+    assert_eq!(
+        event(&run).map(|event| (event.number, event.faults())),
+        Some((FILLS_BEFORE + FILLS, Faults::INTERLOCK_OPEN))
+    );
+    let flash = run.driver.flash.lock();
+    let erases = flash.changes.iter().filter(|change| matches!(change, Change::Erase { .. })).count();
+    assert_eq!((erases, flash.refused), (1, 0));
 }
 
 #[test]

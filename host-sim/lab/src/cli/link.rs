@@ -241,7 +241,7 @@ impl Drive {
             Action::Events => drive.print_events(),
             Action::Enable(stay) => drive.enable(stay.autonomous).and_then(|()| drive.stay(stay)),
             Action::Disable => drive.disable(),
-            Action::Clear => drive.tell_until(Command::ClearFault, "cleared", |status| status.state != FAULT),
+            Action::Clear => drive.clear(),
             Action::Home => drive.tell(Command::SetPosition { counts: 0 }),
             Action::SetPosition(target) => drive.tell(Command::SetPosition { counts: target.counts()? }),
             Action::Reference { target, relative, speed, accel, max_torque_nm, stay } => {

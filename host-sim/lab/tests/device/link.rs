@@ -201,6 +201,24 @@ fn a_session_that_falls_silent_is_a_fault_while_the_reference_comes_from_it() {
     assert_eq!(done(&far, "clear"), "cleared\n");
 }
 
+#[test]
+fn a_clear_that_costs_the_axis_its_position_says_so() {
+    let far = Far::start(None);
+    for log_is_full in [false, true] {
+        done(&far, "home");
+        done(&far, "enable --autonomous");
+        far.strings.interlock_open.store(true, Ordering::Relaxed);
+        thread::sleep(Duration::from_millis(100));
+        far.strings.interlock_open.store(false, Ordering::Relaxed);
+        far.strings.log_is_full.store(log_is_full, Ordering::Relaxed);
+        thread::sleep(Duration::from_millis(100));
+        let told = if log_is_full { "has lost its position: home it\n" } else { "cleared\n" };
+        let said = done(&far, "clear");
+        assert!(said.starts_with("cleared\n") && said.ends_with(told), "{said}");
+        while !done(&far, "status").starts_with("state        ready") {}
+    }
+}
+
 #[cfg(unix)]
 #[test]
 fn ctrl_c_ends_a_reference_and_leaves_no_drive_on_a_dead_link() {

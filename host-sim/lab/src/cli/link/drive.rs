@@ -9,7 +9,7 @@ use er_servo::parameters::{Parameter, TABLE};
 use wire::connection::LinkError;
 
 use super::set::Assignment;
-use super::{BEAT, Drive, RUNNING, Run, STOPPING, Stay, TAKES_EFFECT, status};
+use super::{BEAT, Drive, FAULT, RUNNING, Run, STOPPING, Stay, TAKES_EFFECT, status};
 use crate::cli::decode::note_parameters;
 use crate::decode::parameter_line;
 use crate::interrupt::Interrupt;
@@ -55,6 +55,16 @@ impl Drive {
                 return Err(self.refused(&format!("not {what}"), &status));
             }
         }
+    }
+
+    /// Chips that are brought up again, and an event log that has to be tidied, cost an axis its position.
+    pub(super) fn clear(&mut self) -> Result<(), Error> {
+        let was_homed = self.status()?.homed;
+        self.tell_until(Command::ClearFault, "cleared", |status| status.state != FAULT)?;
+        if was_homed && !self.status()?.homed {
+            output::print("the axis was not watched meanwhile and has lost its position: home it\n")?;
+        }
+        Ok(())
     }
 
     pub(super) fn print_status(&mut self, json: bool) -> Result<(), Error> {
