@@ -1,8 +1,9 @@
 //! The last faults, in flash: what a person asks for after the drive was found standing still.
 //!
 //! One sector is a log of records; each begins with its number and a check, so that a record that a power failure has torn
-//! is passed over. A full sector is tidied when the drive starts: the newest records are kept in memory while it is erased
-//! and written back, so a power failure in that half second loses them. Faults that come when it is full are not logged.
+//! is passed over. A sector that is nearly full is tidied when the drive starts, a full one when a fault is cleared, so that
+//! the next fault finds room: the newest records are kept in memory while it is erased and written back, so a power failure
+//! in that half second loses them.
 //!
 //! | bytes of a record | content |
 //! |---|---|
@@ -14,7 +15,8 @@
 //! | 20..24 | speed, rad/s, single precision |
 //! | 24..28 | most cycles of a tick |
 //! | 28 | fault byte of the resolver converter |
-//! | 29..32 | 0 |
+//! | 29 | why the drive had restarted ([`Restart`]): 0 nothing noted, 1 watchdog, 2 panic, 3 hard fault, 4 crystal, 5 interrupt |
+//! | 30..32 | line of the panic, or number of the interrupt |
 
 use core::ops::Range;
 
@@ -50,6 +52,65 @@ pub struct Event {
     pub worst_cycles: u32,
     /// Fault byte of the resolver converter.
     pub resolver_faults: u8,
+    /// Of [`Faults::ABNORMAL_RESET`], what had happened before the reset.
+    pub restart: Option<Restart>,
+}
+
+/// Why the drive had to be restarted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Restart {
+    /// The watchdog, and nothing was noted: ticks or thread mode hung, or the core was halted.
+    Watchdog,
+    /// A panic at this line; of which file, only the log over RTT has room for.
+    Panic(u16),
+    /// A hard fault.
+    HardFault,
+    /// The crystal failed.
+    ClockFailed,
+    /// An interrupt of this number, which has no handler.
+    Interrupt(u16),
+}
+
+impl Restart {
+    /// Bytes 29..32 of a record.
+    fn encode(restart: Option<Self>) -> [u8; 3] {
+        let (kind, place) = match restart {
+            None => (0, 0),
+            Some(Self::Watchdog) => (1, 0),
+            Some(Self::Panic(line)) => (2, line),
+            Some(Self::HardFault) => (3, 0),
+            Some(Self::ClockFailed) => (4, 0),
+            Some(Self::Interrupt(number)) => (5, number),
+        };
+        let [low, high] = place.to_le_bytes();
+        [kind, low, high]
+    }
+
+    fn decode([kind, low, high]: [u8; 3]) -> Option<Self> {
+        let place = u16::from_le_bytes([low, high]);
+        match kind {
+            1 => Some(Self::Watchdog),
+            2 => Some(Self::Panic(place)),
+            3 => Some(Self::HardFault),
+            4 => Some(Self::ClockFailed),
+            5 => Some(Self::Interrupt(place)),
+            _ => None,
+        }
+    }
+}
+
+impl core::fmt::Display for Restart {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::Watchdog => {
+                f.write_str("the watchdog restarted it: ticks or thread mode hung, or the core was halted")
+            }
+            Self::Panic(line) => write!(f, "it panicked at line {line}; the log over RTT names the file"),
+            Self::HardFault => f.write_str("hard fault; the log over RTT has its address"),
+            Self::ClockFailed => f.write_str("the crystal failed: check it and its capacitors"),
+            Self::Interrupt(number) => write!(f, "interrupt {number} has no handler"),
+        }
+    }
 }
 
 impl Event {
@@ -60,18 +121,13 @@ impl Event {
 
     fn encode(&self) -> Record {
         let mut record = [0; RECORD_BYTES];
-        let words = [
-            self.faults,
-            self.at_ms,
-            self.position as u32,
-            self.speed_rad_s.to_bits(),
-            self.worst_cycles,
-            u32::from(self.resolver_faults),
-        ];
+        let words = [self.faults, self.at_ms, self.position as u32, self.speed_rad_s.to_bits(), self.worst_cycles];
         record[..4].copy_from_slice(&self.number.to_le_bytes());
         for (place, word) in record[8..].as_chunks_mut::<4>().0.iter_mut().zip(words) {
             *place = word.to_le_bytes();
         }
+        record[28] = self.resolver_faults;
+        record[29..].copy_from_slice(&Restart::encode(self.restart));
         let check = check(&record);
         record[4..8].copy_from_slice(&check.to_le_bytes());
         record
@@ -87,6 +143,7 @@ impl Event {
             speed_rad_s: f32::from_bits(word(20)),
             worst_cycles: word(24),
             resolver_faults: record[28],
+            restart: Restart::decode([record[29], record[30], record[31]]),
         })
     }
 }
@@ -129,12 +186,25 @@ impl EventLog {
         Ok(log)
     }
 
+    /// Whether the next event would find no room.
+    pub fn is_full(&self) -> bool {
+        self.next_at >= self.range.end
+    }
+
+    /// Makes room in a full sector; the last [`KEPT`] stay.
+    ///
+    /// # Errors
+    /// [`StorageError::Flash`].
+    pub async fn make_room<F: NorFlash>(&mut self, flash: &mut F) -> Result<(), StorageError> {
+        if self.is_full() { self.tidy(flash).await } else { Ok(()) }
+    }
+
     /// Writes an event behind the others; one that finds the sector full is dropped.
     ///
     /// # Errors
     /// [`StorageError::Flash`].
     pub async fn append<F: NorFlash>(&mut self, flash: &mut F, event: &Event) -> Result<(), StorageError> {
-        if self.next_at >= self.range.end {
+        if self.is_full() {
             return Ok(());
         }
         let record = Event { number: self.next_number, ..*event }.encode();
@@ -237,7 +307,19 @@ mod tests {
 
     fn event(at_ms: u32) -> Event {
         let faults = Faults::OVER_SPEED.bits();
-        Event { number: 0, faults, at_ms, position: -5, speed_rad_s: 41.0, worst_cycles: 2000, resolver_faults: 3 }
+        let (speed_rad_s, worst_cycles, resolver_faults) = (41.0, 2000, 3);
+        Event { number: 0, faults, at_ms, position: -5, speed_rad_s, worst_cycles, resolver_faults, restart: None }
+    }
+
+    #[test]
+    fn a_restart_goes_through_a_record_and_one_of_a_later_release_is_none() {
+        let place = 0xABCD;
+        let restarts = [Restart::Watchdog, Restart::Panic(place), Restart::HardFault, Restart::ClockFailed];
+        for restart in restarts.into_iter().chain([Restart::Interrupt(place)]) {
+            let event = Event { restart: Some(restart), ..event(1) };
+            assert_eq!(Event::decode(&event.encode()), Some(event));
+        }
+        assert_eq!((Restart::decode([0, 0, 0]), Restart::decode([6, 1, 2])), (None, None));
     }
 
     #[test]
@@ -257,6 +339,25 @@ mod tests {
                 assert_eq!(found, Event { number, ..event(number) });
             }
         }
+    }
+
+    #[test]
+    fn a_drive_that_is_never_started_again_keeps_the_last_64_too() {
+        let mut flash = Flash(vec![ERASED; SECTOR]);
+        let mut log = block_on(EventLog::open(&mut flash, RANGE)).unwrap();
+        let mut tidied = 0;
+        for nth in 0..600 {
+            block_on(log.append(&mut flash, &event(nth))).unwrap();
+            // The fault is cleared.
+            tidied += u32::from(log.is_full());
+            block_on(log.make_room(&mut flash)).unwrap();
+            for back in 0..KEPT.min(nth as usize + 1) as u8 {
+                let found = block_on(log.newest(&mut flash, back)).unwrap().unwrap();
+                assert_eq!(found.number, nth - u32::from(back));
+            }
+        }
+        // 128 places: 64 more after each time.
+        assert_eq!(tidied, 1 + (600 - 128) / 64);
     }
 
     #[test]

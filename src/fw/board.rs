@@ -193,7 +193,7 @@ impl Board {
 /// fault: with the set before it, after a downgrade, the drive runs once that is cleared.
 fn stored(storage: &mut Storage) -> (Config, ParameterSource) {
     match storage.load() {
-        Ok(config) => (config, ParameterSource::Flash),
+        Ok(config) => (config, ParameterSource::stored(&config)),
         Err(StorageError::Empty) => (Config::default(), ParameterSource::BuiltIn),
         Err(StorageError::Flash | StorageError::Unusable) => match storage.load_older() {
             Ok(config) => (config, ParameterSource::RolledBack),

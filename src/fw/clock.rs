@@ -1,5 +1,6 @@
 //! Clocks, and what must go on when one fails or the core is halted.
 
+use er_servo::link::Neighbours;
 use stm32f4xx_hal::pac;
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::{self, Rcc};
@@ -13,6 +14,8 @@ const MICROSECONDS_HZ: u32 = 1_000_000;
 pub const TIMER_HZ: u32 = 84_000_000;
 /// Looks at the random generator, which makes a number in 40 periods of 48 MHz: 140 core cycles.
 const RANDOM_LOOKS: u32 = 1000;
+/// Numbers to ask for before one must have passed: the first is never used, and two that are the same are a chance of one in 2^32.
+const RANDOM_DRAWS: u32 = 3;
 
 /// 0.36 ms of the core's clock, and more of the 16 MHz that it starts with; five cycles of the watchdog's clock at its slowest,
 /// 17 kHz, are 0.3 ms.
@@ -65,17 +68,30 @@ pub fn microseconds() -> u32 {
     unsafe { &*pac::TIM5::ptr() }.cnt().read().bits()
 }
 
-/// A number nobody can guess, of the random generator; if that fails, one that is at least not the one before.
-pub fn random() -> u32 {
+/// The random generator.
+#[derive(Default)]
+pub struct Random {
+    neighbours: Neighbours,
+}
+
+impl Random {
+    /// A number nobody can guess; if the generator fails, one that is at least not the one before.
+    pub fn number(&mut self) -> u32 {
+        let passed = (0..RANDOM_DRAWS).find_map(|_| self.neighbours.pass(drawn()?));
+        // A linear congruence (Numerical Recipes) of the time: it spreads the few bits that differ.
+        passed.unwrap_or_else(|| {
+            cortex_m::peripheral::DWT::cycle_count().wrapping_mul(1_664_525).wrapping_add(1_013_904_223)
+        })
+    }
+}
+
+/// What the random generator has, unless it fails.
+fn drawn() -> Option<u32> {
     // SAFETY: nobody else uses the random generator.
     #[allow(unsafe_code)]
     let generator = unsafe { &*pac::RNG::ptr() };
     generator.cr().modify(|_, w| w.rngen().set_bit());
     let ready = (0..RANDOM_LOOKS).any(|_| generator.sr().read().drdy().bit_is_set());
     let failed = generator.sr().read().cecs().bit_is_set() || generator.sr().read().secs().bit_is_set();
-    if ready && !failed {
-        return generator.dr().read().bits();
-    }
-    // A linear congruence (Numerical Recipes) of the time: it spreads the few bits that differ.
-    cortex_m::peripheral::DWT::cycle_count().wrapping_mul(1_664_525).wrapping_add(1_013_904_223)
+    (ready && !failed).then(|| generator.dr().read().bits())
 }

@@ -2,7 +2,7 @@
 //! they mean is the library's [`Server`], what they act on is here.
 
 use embedded_hal_nb::serial::Write;
-use er_servo::events::Event;
+use er_servo::events::{Event, Restart};
 use er_servo::experiment::Sequence;
 use er_servo::link::{Drive, Offset, PACKET_BYTES, Pace, Refusal, Reply, Server, TELEMETRY_BYTES};
 use er_servo::motion::MotionLimits;
@@ -16,7 +16,7 @@ use stm32f4xx_hal::serial::Tx;
 use stm32f4xx_hal::watchdog::IndependentWatchdog;
 
 use super::board::{QUEUE_OFFSETS, Ring};
-use super::clock;
+use super::clock::Random;
 use super::log::{self, Log};
 use super::storage::Storage;
 use super::tick;
@@ -34,6 +34,9 @@ pub struct Link {
     telemetry: Telemetry,
     server: Server,
     storage: Storage,
+    random: Random,
+    /// What the reset before this start is put down to.
+    restart: Restart,
     last: Option<Frame>,
     ahead: Ahead,
     /// The last packet took long: none is handled before a tick has come.
@@ -41,24 +44,27 @@ pub struct Link {
 }
 
 impl Link {
-    /// With a server that knows the parameters the law was started with.
+    /// With a server that knows the parameters the law was started with; `restart` is for the event of an abnormal reset.
     pub fn new(
         ring: Ring,
         tx: Tx<USART2>,
         storage: Storage,
         server: Server,
         offsets: Producer<'static, Offset, QUEUE_OFFSETS>,
+        restart: Restart,
     ) -> Self {
         let ahead = Ahead { sequence: None, offsets };
         let (out, telemetry) = (Out::new(), Telemetry::default());
-        Self { ring, tx, out, telemetry, server, storage, last: None, ahead, ticks_first: false }
+        let random = Random::default();
+        Self { ring, tx, out, telemetry, server, storage, random, restart, last: None, ahead, ticks_first: false }
     }
 
     /// Takes note of a tick, for the status, and of a fault, for the event log.
     pub fn frame(&mut self, frame: &Frame) {
         let was_fault = self.last.is_some_and(|last| matches!(last.outputs.supervisor, Supervisor::Fault { .. }));
         if let (Supervisor::Fault { faults }, false) = (frame.outputs.supervisor, was_fault) {
-            self.storage.log_event(&event(frame, faults));
+            let restart = faults.contains(Faults::ABNORMAL_RESET).then_some(self.restart);
+            self.storage.log_event(&Event { restart, ..event(frame, faults) });
         }
         self.telemetry.frame(frame, &mut self.out);
         self.last = Some(*frame);
@@ -71,8 +77,8 @@ impl Link {
             // Two packets in a row that each pause the ticks for 45 ms would outlast the watchdog.
             let Some(byte) = (if self.ticks_first { None } else { self.ring.next() }) else { break };
             let (storage, last, ahead) = (&mut self.storage, self.last.as_ref(), &mut self.ahead);
-            let (telemetry, out) = (&mut self.telemetry, &mut self.out);
-            let mut image = Image { log, watchdog, storage, last, ahead, telemetry, out, paused: false };
+            let (telemetry, out, random) = (&mut self.telemetry, &mut self.out, &mut self.random);
+            let mut image = Image { log, watchdog, storage, random, last, ahead, telemetry, out, paused: false };
             let reply = self.server.push(byte, &mut image);
             self.ticks_first = image.paused;
             if let Some(reply) = reply {
@@ -105,6 +111,7 @@ fn event(frame: &Frame, faults: Faults) -> Event {
         speed_rad_s: frame.outputs.speed_rad_s,
         worst_cycles: frame.timing.worst_cycles,
         resolver_faults: frame.inputs.resolver.fault_byte,
+        restart: None,
     }
 }
 
@@ -196,6 +203,7 @@ struct Image<'a> {
     log: &'a mut Log,
     watchdog: &'a mut IndependentWatchdog,
     storage: &'a mut Storage,
+    random: &'a mut Random,
     last: Option<&'a Frame>,
     ahead: &'a mut Ahead,
     telemetry: &'a mut Telemetry,
@@ -217,7 +225,7 @@ impl Drive for Image<'_> {
     }
 
     fn random(&mut self) -> u32 {
-        clock::random()
+        self.random.number()
     }
 
     fn state(&self) -> State {
@@ -303,6 +311,13 @@ impl Drive for Image<'_> {
 
     fn event(&mut self, back: u8) -> Option<Event> {
         self.storage.event(back)
+    }
+
+    fn make_room_for_events(&mut self) {
+        if self.storage.events_are_full() {
+            self.paused = true;
+            self.storage.make_room_for_events(self.watchdog);
+        }
     }
 
     fn recording(&self) -> bool {

@@ -22,6 +22,8 @@ mod tick;
 use cortex_m_rt::entry;
 
 use board::Board;
+use er_servo::Params;
+use er_servo::events::Restart;
 use er_servo::link::Server;
 use link::Link;
 use log::Log;
@@ -57,13 +59,17 @@ extern "C" fn thread() -> ! {
     let Some(mut board) = Board::take() else { safe::halt() };
     let mut log = Log::new();
     log.booted(board.reset_faults, before);
+    if Params::for_image(&board.config, false).is_err() {
+        log::forced();
+    }
     if let Err(error) = board.servo.init() {
         log::init_failed(&error);
     }
     board.watchdog.feed();
     tick::start(board.servo, board.edges, board.frames_in, board.offsets, board.reset_faults);
     let server = Server::new(board.config, board.source);
-    let mut link = Link::new(board.ring, board.tx, board.storage, server, board.offsets_in);
+    let restart = before.map_or(Restart::Watchdog, |(_, why)| why.into());
+    let mut link = Link::new(board.ring, board.tx, board.storage, server, board.offsets_in, restart);
     loop {
         let mut ticked = false;
         while let Some(frame) = board.frames.dequeue() {

@@ -3,8 +3,10 @@
 use core::cell::UnsafeCell;
 use core::mem::MaybeUninit;
 use core::panic::PanicInfo;
+use core::sync::atomic::{Ordering, compiler_fence};
 
 use cortex_m_rt::{ExceptionFrame, exception};
+use er_servo::events::Restart;
 use stm32f4xx_hal::pac;
 
 use super::board::{CLEAR_PIN, FAULT_LAMP_PIN, HV_ENABLE_PIN};
@@ -70,6 +72,19 @@ pub enum Why {
     ClockFailed,
     /// An interrupt that has no handler.
     Interrupt(u32),
+}
+
+impl From<Why> for Restart {
+    /// As short as the event log has it.
+    fn from(why: Why) -> Self {
+        match why {
+            Why::Unknown => Self::Watchdog,
+            Why::Panic(_, line) => Self::Panic(u16::try_from(line).unwrap_or(u16::MAX)),
+            Why::HardFault(..) => Self::HardFault,
+            Why::ClockFailed => Self::ClockFailed,
+            Why::Interrupt(number) => Self::Interrupt(number as u16),
+        }
+    }
 }
 
 /// What happened before this reset: how long the drive had run, ms, and why it stopped. `None` after power-up.
@@ -146,12 +161,27 @@ fn panic(info: &PanicInfo<'_>) -> ! {
     halt()
 }
 
+/// Words of the frame that the core stacks: r0 to r3, r12, lr, pc, xpsr (ARMv7-M reference manual, B1.5.7).
+const FRAME_LR: usize = 5;
+const FRAME_PC: usize = 6;
+
 // The handler has a stack of its own, so that an overflow of thread mode's ends here and not in a locked-up core.
 #[allow(unsafe_code)]
 #[exception]
 unsafe fn HardFault(frame: &ExceptionFrame) -> ! {
     outputs_off();
-    remember(2, [frame.pc(), frame.lr(), 0]);
+    // First safe, then curious: after an overflow of the stack the frame may lie where there is no memory, and a core that
+    // faults again here locks up. Nothing of the frame may be read before, which a reference alone would allow.
+    compiler_fence(Ordering::SeqCst);
+    remember(2, [0; 3]);
+    let [pc, lr] = [FRAME_PC, FRAME_LR].map(|word| {
+        // SAFETY: as above: a frame that is not there is not read but faults, with everything done that must be.
+        #[allow(unsafe_code)]
+        unsafe {
+            core::ptr::from_ref(frame).cast::<u32>().add(word).read_volatile()
+        }
+    });
+    remember(2, [pc, lr, 0]);
     halt()
 }
 

@@ -49,6 +49,20 @@ impl Storage {
         self.events.as_ref().and_then(|events| block_on(events.newest(sectors, back)).ok()?)
     }
 
+    /// Whether the next event would find no room.
+    pub fn events_are_full(&self) -> bool {
+        self.events.as_ref().is_some_and(EventLog::is_full)
+    }
+
+    /// Makes room for events. Where that fails the next are in the log over RTT all the same.
+    pub fn make_room_for_events(&mut self, watchdog: &mut IndependentWatchdog) {
+        let Self { flash, events } = self;
+        patiently(watchdog, || {
+            let sectors = &mut Sectors { flash, range: EVENTS };
+            let _ = events.as_mut().map(|events| block_on(events.make_room(sectors)));
+        });
+    }
+
     /// The stored set.
     pub fn load(&mut self) -> Result<Config, StorageError> {
         block_on(storage::load(Sectors { flash: &mut self.flash, range: RANGE }, RANGE))
@@ -59,15 +73,21 @@ impl Storage {
         block_on(storage::load_older(Sectors { flash: &mut self.flash, range: RANGE }, RANGE))
     }
 
-    /// Stores the set, with ticks paused and the watchdog patient.
+    /// Stores the set.
     pub fn save(&mut self, config: &Config, watchdog: &mut IndependentWatchdog) -> Result<(), StorageError> {
-        tick::paused(|| {
-            clock::set_watchdog(watchdog, ERASE_WATCHDOG_MS);
-            let saved = block_on(storage::save(Sectors { flash: &mut self.flash, range: RANGE }, RANGE, config));
-            watchdog.start(WATCHDOG_MS.millis());
-            saved
-        })
+        let sectors = Sectors { flash: &mut self.flash, range: RANGE };
+        patiently(watchdog, || block_on(storage::save(sectors, RANGE, config)))
     }
+}
+
+/// Runs what may erase a sector, with ticks paused and the watchdog patient.
+fn patiently<T>(watchdog: &mut IndependentWatchdog, act: impl FnOnce() -> T) -> T {
+    tick::paused(|| {
+        clock::set_watchdog(watchdog, ERASE_WATCHDOG_MS);
+        let result = act();
+        watchdog.start(WATCHDOG_MS.millis());
+        result
+    })
 }
 
 /// Empties the data cache of the flash interface, which does not learn of an erase (RM0090 section 3.6.3, note) and would

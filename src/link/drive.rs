@@ -59,6 +59,9 @@ pub trait Drive {
     fn save(&mut self, config: &Config) -> Result<(), StorageError>;
     /// The newest fault of the event log but `back`; none where there are fewer.
     fn event(&mut self, back: u8) -> Option<Event>;
+    /// Makes room in the event log where the next fault would find none, however long that takes: ticks pause and the position
+    /// is lost. Only asked in the fault state.
+    fn make_room_for_events(&mut self);
     /// Whether a recording runs.
     fn recording(&self) -> bool;
     /// Starts a recording of the law with its parameters, over the link or in the log.

@@ -17,11 +17,13 @@
 mod commander;
 mod drive;
 mod framing;
+mod numbers;
 mod server;
 
 pub use commander::{Commander, Offset};
 pub use drive::Drive;
 pub use framing::{Malformed, Received, Receiver, TooLong, encode, encode_telemetry};
+pub use numbers::Neighbours;
 pub use server::Server;
 
 use serde::{Deserialize, Serialize};
@@ -29,11 +31,12 @@ use serde::{Deserialize, Serialize};
 use crate::events::Event;
 use crate::experiment::Experiment;
 pub use crate::motion::Pace;
+use crate::{Config, ConfigError, Params};
 
 /// Baud rate, 8N1.
 pub const BAUD: u32 = 921_600;
 /// Version of the messages; another one is refused.
-pub const PROTOCOL: u16 = 5;
+pub const PROTOCOL: u16 = 6;
 /// Longest packet as it is sent, the zero included.
 pub const PACKET_BYTES: usize = 128;
 /// Longest packet of telemetry as it is sent.
@@ -58,7 +61,8 @@ pub enum Command {
     },
     /// Running to ready, through a stop of the axis where the parameters say so. Any session may.
     Disable,
-    /// Brings chips that failed up again, and leaves the fault state once no cause is left.
+    /// Brings chips that failed up again, and leaves the fault state once no cause is left. Where the event log is full, which
+    /// takes hundreds of faults, it is tidied before: ticks pause for up to a second, and the position is lost.
     ClearFault,
     /// Calls the position by another name, from which on the axis is homed; only while ready.
     SetPosition {
@@ -255,10 +259,22 @@ pub enum ParameterSource {
     Link,
     /// The link, against the advice of the stability margins.
     Forced,
+    /// The flash, where it was saved although it had been forced against the advice of the stability margins.
+    StoredForced,
     /// The image, because what the flash holds is damaged or of another release.
     Damaged,
     /// An older set in flash, because the newest is of another release.
     RolledBack,
+}
+
+impl ParameterSource {
+    /// Of a set that is in flash. A record does not say whether it was forced; its margins do.
+    pub fn stored(config: &Config) -> Self {
+        match Params::for_image(config, false) {
+            Err(ConfigError::Unstable(_)) => Self::StoredForced,
+            _ => Self::Flash,
+        }
+    }
 }
 
 impl core::fmt::Display for ParameterSource {
@@ -268,6 +284,7 @@ impl core::fmt::Display for ParameterSource {
             Self::Flash => "flash",
             Self::Link => "link, not saved",
             Self::Forced => "link, forced against the stability margins, not saved",
+            Self::StoredForced => "flash, forced against the stability margins",
             Self::Damaged => "built in, because the flash holds a damaged or foreign set",
             Self::RolledBack => "an older set in flash, because the newest is of another release",
         })

@@ -181,12 +181,13 @@ impl Server {
             Command::Apply { force } => self.apply(drive, force)?,
             Command::Defaults => (self.staged, self.staged_from) = (Config::default(), ParameterSource::BuiltIn),
             Command::Load => {
-                (self.staged, self.staged_from) = (drive.load().map_err(refusal)?, ParameterSource::Flash);
+                self.staged = drive.load().map_err(refusal)?;
+                self.staged_from = ParameterSource::stored(&self.staged);
             }
             Command::Save => {
                 idle(drive)?;
                 drive.save(&self.config).map_err(refusal)?;
-                self.source = ParameterSource::Flash;
+                self.source = ParameterSource::stored(&self.config);
             }
             Command::StartRecording { .. } if drive.recording() => return Err(Refusal::Recording),
             Command::StartRecording { run, over_link } => drive.start_recording(run, over_link, &self.config),
@@ -219,7 +220,8 @@ impl Server {
         })?;
         drive.set_params(params, forced).map_err(|_| Refusal::Running)?;
         self.config = self.staged;
-        self.source = if forced { ParameterSource::Forced } else { self.staged_from };
+        let is_stored = self.staged_from == ParameterSource::StoredForced;
+        self.source = if forced && !is_stored { ParameterSource::Forced } else { self.staged_from };
         Ok(())
     }
 
@@ -234,6 +236,7 @@ impl Server {
         if faults.intersects(hardware) {
             drive.reinitialise()?;
         }
+        drive.make_room_for_events();
         drive.request(Request::ClearFault);
         Ok(())
     }

@@ -156,6 +156,11 @@ impl Drive for Bench {
         (back < 2).then(|| Event { number: newest.number - u32::from(back), ..newest })
     }
 
+    fn make_room_for_events(&mut self) {
+        self.asked.push("make room");
+        assert!(matches!(self.state.supervisor(), Supervisor::Fault { .. }));
+    }
+
     fn recording(&self) -> bool {
         self.recording.is_some()
     }

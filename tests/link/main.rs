@@ -236,7 +236,9 @@ fn refusals_say_why() {
     faulty.drive.chips_fail = true;
     faulty.refused(Command::ClearFault, Refusal::Hardware);
     faulty.drive.chips_fail = false;
+    assert!(!faulty.drive.asked.contains(&"make room"), "not for a clear that was refused");
     faulty.done(Command::ClearFault);
+    assert!(faulty.drive.asked.contains(&"make room"), "for the next fault");
     assert_eq!(faulty.status().state, 0);
 }
 
@@ -344,9 +346,18 @@ fn what_would_be_unstable_is_refused_unless_forced_and_what_is_built_in_always()
     linked.refused(APPLY, Refusal::Unstable);
     linked.done(Command::Apply { force: true });
     assert_eq!((linked.status().parameters, linked.drive.last_asked()), (ParameterSource::Forced, "forced"));
+    // Saved, it is still one that was forced, also when it is loaded again.
+    linked.done(Command::Save);
+    assert_eq!(linked.status().parameters, ParameterSource::StoredForced);
+    linked.done(Command::Load);
+    linked.refused(APPLY, Refusal::Unstable);
+    linked.done(Command::Apply { force: true });
+    assert_eq!(linked.status().parameters, ParameterSource::StoredForced);
     linked.done(Command::Defaults);
     linked.done(Command::Apply { force: true });
     assert_eq!((linked.status().parameters, linked.drive.last_asked()), (ParameterSource::BuiltIn, "set"));
+    linked.done(Command::Save);
+    assert_eq!(linked.status().parameters, ParameterSource::Flash);
     for (name, value) in [("period_s", 0.002), ("speed_from_converter", 1.0)] {
         linked.done(Command::Defaults);
         linked.done(Command::WriteParameter { index: index(name), value });

@@ -1,6 +1,6 @@
 //! Any message of the link, for properties.
 
-use er_servo::events;
+use er_servo::events::{Event, Restart};
 use er_servo::experiment::{Experiment, Shape};
 use er_servo::link::{Answer, Command, Counters, Pace, Packet, ParameterSource, Refusal, Status, Target};
 use proptest::prelude::*;
@@ -79,7 +79,7 @@ prop_compose! {
         halves: [u16; 2], bytes: [u8; 3], recording: bool, homed: bool,
         parameters in proptest::sample::select(vec![
             ParameterSource::BuiltIn, ParameterSource::Flash, ParameterSource::Link, ParameterSource::Forced,
-            ParameterSource::Damaged,
+            ParameterSource::StoredForced, ParameterSource::Damaged, ParameterSource::RolledBack,
         ]),
     ) -> Status {
         let [tick, worst_cycles, packets, damaged, overlong, replayed, refused, faults, ..] = words;
@@ -89,6 +89,21 @@ prop_compose! {
             tick, state, faults, resolver_faults, flags, position, reference, torque_nm, field_kv_mm, monitor,
             worst_cycles, lost, recording, homed, parameters, counters,
         }
+    }
+}
+
+prop_compose! {
+    fn any_event()(
+        words: [u32; 4], position: i32, speed_rad_s in any_float(), resolver_faults: u8, place: u16,
+        restart in 0..6_usize,
+    ) -> Event {
+        let [number, faults, at_ms, worst_cycles] = words;
+        let restarts = [
+            None, Some(Restart::Watchdog), Some(Restart::Panic(place)), Some(Restart::HardFault),
+            Some(Restart::ClockFailed), Some(Restart::Interrupt(place)),
+        ];
+        let restart = restarts[restart];
+        Event { number, faults, at_ms, position, speed_rad_s, worst_cycles, resolver_faults, restart }
     }
 }
 
@@ -133,12 +148,6 @@ pub fn any_answer() -> impl Strategy<Value = Answer> {
         proptest::sample::select(refusals.to_vec()).prop_map(Answer::Refused),
         any_float().prop_map(|value| Answer::Parameter { value }),
         any_status().prop_map(Answer::Status),
-        (any::<bool>(), any::<[u32; 4]>(), any::<i32>(), any_float(), any::<u8>()).prop_map(
-            |(there, [number, faults, at_ms, worst_cycles], position, speed_rad_s, resolver_faults)| {
-                let event =
-                    events::Event { number, faults, at_ms, position, speed_rad_s, worst_cycles, resolver_faults };
-                Answer::Event(there.then_some(event))
-            }
-        ),
+        proptest::option::of(any_event()).prop_map(Answer::Event),
     ]
 }

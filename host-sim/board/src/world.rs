@@ -48,8 +48,8 @@ pub const STOP_RELEASED: (Port, u8) = (Port::C, 2);
 pub const AMPLIFIER_READY: (Port, u8) = (Port::C, 4);
 /// An edge in every tick; what it feeds is [`MONOSTABLE_NS`].
 const HEARTBEAT: (Port, u8) = (Port::C, 5);
-/// The monostable outside takes torque and high voltage off without an edge of the heartbeat for this long, ns (README, pin
-/// table).
+/// The monostable outside takes torque and high voltage off without an edge of the heartbeat for this long, ns (docs/drive.md,
+/// pin table).
 const MONOSTABLE_NS: u64 = 2_000_000;
 /// High: the high-voltage supply is on.
 pub const HV_ENABLE: (Port, u8) = (Port::C, 8);

@@ -6,11 +6,12 @@ mod common;
 use board::bench::Firmware;
 use board::core::Upset;
 use board::world::{CommandSeen, INTERLOCK, World};
-use common::{ENABLE, Panics, Run, events, firmware, log, ms, recorded, run_alone, world};
+use common::{ENABLE, Panics, Run, event, events, firmware, log, ms, recorded, run_alone, world};
 use er_servo::drivers::scaling::{FieldCode, TorqueCode};
+use er_servo::events::Restart;
 use er_servo::experiment::Shape;
 use er_servo::link::Command;
-use er_servo::{Frame, SAMPLE_TO_OUTPUT_NS};
+use er_servo::{Faults, Frame, SAMPLE_TO_OUTPUT_NS};
 use rigless::time::VirtualNanos;
 
 const TO_OUTPUT_NS: u64 = SAMPLE_TO_OUTPUT_NS as u64;
@@ -158,4 +159,55 @@ fn an_interrupt_without_a_handler_takes_the_outputs_off_and_is_told_after_the_re
     assert_eq!(run.session.resets().len(), 1);
     let events = events(&log(&run));
     assert!(events.iter().any(|event| event.contains("has no handler")), "{events:?}");
+}
+
+/// What the log says of the time that the drive ran before its last reset, ms.
+fn ran_ms(events: &[String]) -> Option<u64> {
+    let said = events.iter().rev().find_map(|event| event.strip_prefix("before this reset the drive ran for "))?;
+    said.strip_suffix(" ms")?.parse().ok()
+}
+
+/// The line of the panic that the log tells after the restart.
+fn panicked_at(events: &[String]) -> u16 {
+    let place = events.iter().find_map(|event| event.strip_prefix("it panicked at src/")).unwrap();
+    place.rsplit_once(':').unwrap().1.parse().unwrap()
+}
+
+#[test]
+fn why_the_drive_restarted_and_how_long_it_ran_is_told_with_and_without_a_probe() {
+    let firmware = firmware();
+    let at = VirtualNanos(sample_after_ms(&firmware, MOVING_MS) + 3_000);
+    let bytes = std::fs::read(common::elf()).unwrap();
+    let panics = Panics::of(&object::File::parse(&*bytes).unwrap());
+    let causes = [
+        Restart::Watchdog,
+        Restart::Panic(0),
+        Restart::HardFault,
+        Restart::ClockFailed,
+        Restart::Interrupt(EXTI0.into()),
+    ];
+    for restart in causes {
+        let mut world = moving_until(&firmware, RESTARTED_MS + 90.0);
+        world.at(at, move |world, _, host, _| match restart {
+            Restart::Watchdog => host.hold(true),
+            Restart::Panic(_) => panics.now(&world.hand, host),
+            Restart::HardFault => world.hand.upset(Upset::Jump { to: 0x4000_0000, r0: 0 }),
+            Restart::ClockFailed => world.hand.upset(Upset::NonMaskable),
+            Restart::Interrupt(_) => world.hand.upset(Upset::Interrupt(EXTI0)),
+        });
+        // Later than the watchdog's slowest restart.
+        world.at(VirtualNanos(at.0 + 200_000_000), |_, _, host, _| host.hold(false));
+        world.at(ms(RESTARTED_MS + 60.0), |world, board, _, now| world.link.say_hello(board.terminal().unwrap(), now));
+        world.link.at(ms(RESTARTED_MS + 70.0), Command::Event { back: 0 });
+        let run = firmware.run(world).unwrap();
+        assert_eq!(run.session.resets().len(), 1, "{restart:?}");
+        let (found, events) = (event(&run).unwrap(), events(&log(&run)));
+        // Of which line, the log knows.
+        let expected = if let Restart::Panic(_) = restart { Restart::Panic(panicked_at(&events)) } else { restart };
+        assert_eq!((found.faults(), found.restart), (Faults::ABNORMAL_RESET, Some(expected)));
+        // The first two samples are those of the converter's start-up; a tick that is cut off is not counted.
+        let ticks = run.driver.samples.iter().filter(|sample| **sample < at).count() as u64 - 2;
+        let ran_ms = ran_ms(&events).expect("the log says for how long it ran");
+        assert!((ticks / 2 - 1..=ticks / 2 + 1).contains(&ran_ms), "{restart:?}: {ran_ms} ms of {ticks} ticks");
+    }
 }

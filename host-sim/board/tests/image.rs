@@ -6,15 +6,17 @@ mod common;
 use std::collections::BTreeSet;
 use std::f64::consts::TAU;
 
-use board::flash::{Array, Shared};
+use board::flash::{Array, Change, SECTOR_BYTES, Shared};
 use board::world::INTERLOCK;
-use common::{ENABLE, events, firmware, log, ms, recorded, run_alone, world};
+use common::flash::OnHost;
+use common::{ENABLE, event, events, firmware, log, ms, recorded, run_alone, world};
+use embassy_futures::block_on;
 use er_servo::drivers::scaling::{FieldCode, TorqueCode};
-use er_servo::events::Event;
+use er_servo::events::{Event, EventLog};
 use er_servo::experiment::{Experiment, Shape};
-use er_servo::link::{Answer, Command, Refusal};
+use er_servo::link::{Answer, Command, Pace, Refusal, Target};
 use er_servo::parameters::TABLE;
-use er_servo::{Config, Counts, Faults, Frame, Mode, Params, State, Supervisor, step};
+use er_servo::{Config, Counts, Faults, Frame, Limits, Mode, Params, State, Supervisor, step};
 use rigless::mcu::Operate;
 use rigless::soc::Width;
 use wire::log::{Entry, Image, recordings};
@@ -93,6 +95,13 @@ fn a_step_response_of_two_seconds_is_that_of_the_host_to_the_bit() {
     // Frames are in a ring of their own: people's log has none.
     assert!(log(&run).iter().all(|entry| matches!(entry, Entry::Event(_))));
     assert!(events(&log(&run)).iter().any(|event| event.contains("damper, ")), "the mode is told");
+    // A limit is told with the tick that reached it.
+    let tick_of =
+        |event: &String| event.strip_prefix("tick ")?.strip_suffix(": field off over off_speed_rad_s")?.parse().ok();
+    let limited: Vec<u32> = events(&log(&run)).iter().filter_map(tick_of).collect();
+    let frame = |seq: &u32| recording.frames.iter().find(|frame| frame.seq == *seq).unwrap();
+    assert!(!limited.is_empty(), "{:?}", events(&log(&run)));
+    assert!(limited.iter().all(|seq| frame(seq).outputs.limits.contains(Limits::OVER_OFF_SPEED)), "{limited:?}");
     // The machine has moved by 30 degrees and stands within what friction holds.
     assert!(
         (run.driver.rotor.angle_rad() - 0.0123 - std::f64::consts::FRAC_PI_6).abs() < 0.01,
@@ -258,9 +267,82 @@ fn a_fault_is_in_flash_and_is_told_after_the_power_was_off() {
     assert_eq!(run.driver.flash.lock().refused, 0, "every store keeps the rules of the flash interface");
 }
 
-fn event(run: &common::Run) -> Option<Event> {
-    let answers = run.driver.link.replies.iter().rev().map(|(_, reply)| reply.answer);
-    answers.into_iter().find_map(|answer| if let Answer::Event(event) = answer { event } else { None })
+/// Whether the axis was homed, each time that the status was asked for.
+fn homed(run: &common::Run) -> Vec<bool> {
+    let answers = run.driver.link.replies.iter().map(|(_, reply)| reply.answer);
+    answers.filter_map(|answer| if let Answer::Status(status) = answer { Some(status.homed) } else { None }).collect()
+}
+
+#[test]
+fn a_save_costs_the_axis_its_position() {
+    let firmware = firmware();
+    // An erase takes up to 0.8 s, and what is homed must be so in the tick after.
+    let after_ms = 1000.0;
+    let mut world = world(&firmware, after_ms + 20.0);
+    world.link.at(ms(77.0), Command::SetPosition { counts: 1000 });
+    world.link.at(ms(80.0), Command::Status);
+    world.link.at(ms(82.0), Command::Save);
+    world.link.at(ms(after_ms), Command::Status);
+    world.link.at(ms(after_ms + 2.0), ENABLE);
+    let (target, pace) = (Target::Absolute(1000), Pace::default());
+    world.link.at(ms(after_ms + 6.0), Command::Reference { target, pace, torque_bound_nm: 0 });
+    let run = firmware.run(world).unwrap();
+    assert_eq!(homed(&run), [true, false]);
+    let last = run.driver.link.replies.last().unwrap().1.answer;
+    assert_eq!(last, Answer::Refused(Refusal::NotHomed));
+}
+
+/// Faults in flash before, and those after which the log is full: a start leaves room for 64.
+const FILLS_BEFORE: u32 = 448;
+const FILLS: u32 = 64;
+/// From one fault to the next: clear, chips settled, enabled.
+const FAULT_MS: f64 = 34.0;
+
+/// Sector 3 with so many faults in it, and parameter sectors with nothing.
+fn with_events(count: u32) -> Vec<u8> {
+    let mut bytes = Array::default().bytes;
+    let mut flash = OnHost(&mut bytes);
+    let sector = 2 * SECTOR_BYTES as u32..3 * SECTOR_BYTES as u32;
+    let mut log = block_on(EventLog::open(&mut flash, sector)).unwrap();
+    (0..count).for_each(|_| block_on(log.append(&mut flash, &Event::default())).unwrap());
+    bytes
+}
+
+#[test]
+fn an_event_log_that_fills_up_is_tidied_at_a_clear_and_keeps_the_newest() {
+    let firmware = firmware();
+    let first_ms = 80.0;
+    let until_ms = first_ms + FAULT_MS * f64::from(FILLS);
+    // An erase takes up to 0.8 s.
+    let after_ms = until_ms + 900.0;
+    let mut world = world(&firmware, after_ms + 80.0);
+    world.flash = Shared::new(Array::holding(with_events(FILLS_BEFORE)));
+    world.link.at(ms(77.0), Command::SetPosition { counts: 0 });
+    for nth in 0..=FILLS {
+        let at_ms = if nth < FILLS { first_ms + FAULT_MS * f64::from(nth) } else { after_ms };
+        world.link.at(ms(at_ms), ENABLE);
+        world.drive_at(ms(at_ms + 3.0), INTERLOCK, false);
+        world.drive_at(ms(at_ms + 4.0), INTERLOCK, true);
+        world.link.at(ms(at_ms + 6.0), Command::Status);
+        world.link.at(ms(at_ms + 8.0), Command::ClearFault);
+    }
+    world.link.at(ms(after_ms + 70.0), Command::Event { back: 0 });
+    let run = firmware.run(world).unwrap();
+    assert!(run.session.resets().is_empty(), "the watchdog waits for the erase: {:?}", run.session.resets());
+    let answers: Vec<Answer> = run.driver.link.replies.iter().map(|(_, reply)| reply.answer).collect();
+    assert!(!answers.iter().any(|answer| matches!(answer, Answer::Refused(_))), "{answers:?}");
+    assert_eq!(
+        homed(&run).iter().position(|homed| !homed),
+        Some(FILLS as usize),
+        "the position is lost with the erase"
+    );
+    assert_eq!(
+        event(&run).map(|event| (event.number, event.faults())),
+        Some((FILLS_BEFORE + FILLS, Faults::INTERLOCK_OPEN))
+    );
+    let flash = run.driver.flash.lock();
+    let erases = flash.changes.iter().filter(|change| matches!(change, Change::Erase { .. })).count();
+    assert_eq!((erases, flash.refused), (1, 0));
 }
 
 #[test]
@@ -280,10 +362,16 @@ fn clears_in_a_row_do_not_starve_the_watchdog() {
     assert_eq!(answers.count(), 5, "{:?}", run.driver.link.replies);
 }
 
+/// DBGMCU APB1_FZ.
+const APB1_FREEZE: u64 = 0xE004_2008;
+
 #[test]
 fn the_image_sets_the_part_up_within_its_limits() {
     let firmware = firmware();
-    let mut run = firmware.run(world(&firmware, 120.0)).unwrap();
+    let mut world = world(&firmware, 120.0);
+    // As a debugger would have left it, which no reset of the core clears.
+    world.at(ms(0.0), |_, board, _, now| board.mcu.write(now, APB1_FREEZE, Width::W32, u64::from(u32::MAX)).unwrap());
+    let mut run = firmware.run(world).unwrap();
     let now = run.stop.unwrap().at;
     let mut register = |address| run.session.board_mut().mcu.peek(now, address, Width::W32).unwrap();
     // C_ADC CCR, ADCPRE: a quarter of 84 MHz; the converter takes 36 at most.
@@ -291,5 +379,7 @@ fn the_image_sets_the_part_up_within_its_limits() {
     // RCC CR, CSSON: a crystal that fails is a non-maskable interrupt.
     assert_eq!(register(0x4002_3800) >> 19 & 1, 1);
     // DBGMCU APB1_FZ: the watchdog and the timers TIM3 and TIM5 run on while a debugger holds the core.
-    assert_eq!(register(0xE004_2008) & (1 << 12 | 1 << 1 | 1 << 3), 0);
+    let kept = register(APB1_FREEZE);
+    assert_eq!(kept & (1 << 12 | 1 << 1 | 1 << 3), 0, "{kept:#x}");
+    assert_ne!(kept, 0, "the emulator keeps what a debugger writes");
 }

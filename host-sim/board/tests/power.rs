@@ -13,10 +13,10 @@ use board::world::World;
 use common::flash::OnHost;
 use common::{firmware, ms};
 use embassy_futures::block_on;
-use er_servo::link::{Answer, Command};
+use er_servo::link::{Answer, Command, ParameterSource, Refusal};
 use er_servo::parameters::TABLE;
 use er_servo::storage::StorageError;
-use er_servo::{Config, storage};
+use er_servo::{Config, Faults, storage};
 use rand::rngs::StdRng;
 use rand::{Rng, SeedableRng};
 
@@ -141,6 +141,72 @@ fn a_saved_set_is_there_after_a_restart() {
     // What is no set at all gives the built-in one in the fault state, and can be saved over.
     let array = save(&firmware, vec![0; LENGTH], (251.0, 7.25), 700.0);
     assert_eq!(comes_up_with(&firmware, array.bytes), (251.0, 7.25));
+}
+
+/// Bytes of a record of parameters, and what of it stands where, as the library's table has it.
+const RECORD_BYTES: usize = 256;
+const NUMBER: usize = 0;
+const CHECK: std::ops::Range<usize> = 4..8;
+const COUNT: usize = 10;
+
+/// Behind the only record in flash, what a newer image has saved: it knows one parameter more.
+fn save_by_a_newer_image(bytes: &mut [u8]) {
+    let (sound, rest) = bytes.split_at_mut(RECORD_BYTES);
+    let record = &mut rest[..RECORD_BYTES];
+    record.copy_from_slice(sound);
+    record[NUMBER] += 1;
+    record[COUNT] += 1;
+    let mut digest = CRC.digest();
+    digest.update(&record[..CHECK.start]);
+    digest.update(&record[CHECK.end..]);
+    record[CHECK].copy_from_slice(&digest.finalize().to_le_bytes());
+}
+
+const CRC: crc::Crc<u32> = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC);
+
+#[test]
+fn a_downgrade_comes_up_in_fault_with_the_set_before_and_runs_once_that_is_cleared() {
+    let firmware = firmware();
+    let mut bytes = vec![0xFF; LENGTH];
+    let older = Config { kp_nm_rad: 250.0, ..Config::default() };
+    block_on(storage::save(OnHost(&mut bytes), 0..LENGTH as u32, &older)).unwrap();
+    save_by_a_newer_image(&mut bytes);
+    assert_eq!(loaded_on_host(&bytes), Err(StorageError::Unusable), "this release does not know it");
+
+    let mut world = common::world(&firmware, 170.0);
+    world.flash = Shared::new(Array::holding(bytes));
+    world.link.at(ms(80.0), Command::Status);
+    world.link.at(ms(85.0), Command::ReadParameter { index: index("kp_nm_rad") });
+    world.link.at(ms(90.0), common::ENABLE);
+    world.link.at(ms(95.0), Command::ClearFault);
+    world.link.at(ms(160.0), Command::Status);
+    let run = firmware.run(world).unwrap();
+    let answers: Vec<Answer> = run.driver.link.replies.iter().skip(1).map(|(_, reply)| reply.answer).collect();
+    let [Answer::Status(before), kp, enabled, cleared, Answer::Status(after)] = answers.as_slice() else {
+        panic!("{answers:?}");
+    };
+    assert_eq!((before.state, before.faults), (3, Faults::PARAMETERS.bits()));
+    assert_eq!(before.parameters, ParameterSource::RolledBack);
+    assert_eq!(*kp, Answer::Parameter { value: 250.0 });
+    assert_eq!((*enabled, *cleared), (Answer::Refused(Refusal::Fault), Answer::Done));
+    assert_eq!((after.state, after.faults, after.parameters), (1, 0, ParameterSource::RolledBack));
+}
+
+#[test]
+fn a_set_that_was_forced_says_so_after_a_restart_too() {
+    let firmware = firmware();
+    let forced = Config { kd_nm_s_rad: 0.0, ..Config::default() };
+    for (config, source) in [(Config::default(), ParameterSource::Flash), (forced, ParameterSource::StoredForced)] {
+        let mut bytes = vec![0xFF; LENGTH];
+        block_on(storage::save(OnHost(&mut bytes), 0..LENGTH as u32, &config)).unwrap();
+        let mut world = common::world(&firmware, 85.0);
+        world.flash = Shared::new(Array::holding(bytes));
+        world.link.at(ms(80.0), Command::Status);
+        let run = firmware.run(world).unwrap();
+        assert_eq!(run.driver.link.status().unwrap().parameters, source);
+        let told = common::events(&common::log(&run)).iter().any(|event| event.contains("parameters forced"));
+        assert_eq!(told, source == ParameterSource::StoredForced);
+    }
 }
 
 #[test]

@@ -1,15 +1,47 @@
 //! Section `[controller]`: values over the defaults of the control library, whose own table gives names and ranges.
 
+use std::path::Path;
+
 use er_servo::parameters::{self, Parameter};
 use er_servo::{Config, ConfigError, Params};
 
-use super::toml_section::{Pair, Section, Setting};
+use super::toml_section::{Pair, Section, Setting, Source};
 use crate::Error;
+
+/// The parameters that a file names, in its order, not checked against their ranges: lines as `[controller]` has them, or a
+/// machine file,
+/// of which only that section is looked at.
+///
+/// # Errors
+///
+/// [`Error::Input`] with file, line and key: no such file, not TOML, no `[controller]` where there are other sections, a name
+/// that is no parameter's, or a value that is none.
+pub fn read_parameters(file: &Path) -> Result<Vec<(&'static Parameter, f32)>, Error> {
+    let text = std::fs::read_to_string(file)
+        .map_err(|error| Error::input(file, None, "", format!("cannot be read: {error}")))?;
+    let source = Source { file, text: text.strip_prefix('\u{feff}').unwrap_or(&text) };
+    let document = source.parse()?;
+    let top = Section::top(source, &document);
+    // Only a machine file has a schema.
+    let section = match top.section("controller")? {
+        Some(section) => section,
+        None if document.get_ref().contains_key("schema") => top.required_section("controller")?,
+        None => top,
+    };
+    known(&section)?;
+    let pairs = section.pairs()?;
+    let found = pairs.iter().filter_map(|pair| Some((pair, parameters::find(&pair.key)?)));
+    found.map(|(pair, parameter)| Ok((parameter, value(&section, pair, parameter)?))).collect()
+}
+
+fn known(section: &Section<'_, '_>) -> Result<(), Error> {
+    let names: Vec<&str> = parameters::TABLE.iter().map(|parameter| parameter.name).collect();
+    section.only(&names)
+}
 
 /// The configuration that the `pairs` of `section` make.
 pub(super) fn controller_config(section: &Section<'_, '_>, pairs: &[Pair]) -> Result<Config, Error> {
-    let names: Vec<&str> = parameters::TABLE.iter().map(|parameter| parameter.name).collect();
-    section.only(&names)?;
+    known(section)?;
     let mut config = Config::default();
     for pair in pairs {
         if let Some(parameter) = parameters::find(&pair.key) {

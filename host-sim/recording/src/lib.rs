@@ -43,6 +43,7 @@ pub mod vocabulary;
 mod wrap;
 
 pub use columns::Column;
+pub use controller::read_parameters;
 pub use error::Error;
 pub use guess::{Given, Guess, guess};
 pub use in_memory::InMemory;

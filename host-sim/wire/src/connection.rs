@@ -14,8 +14,8 @@ use crate::client::Client;
 use crate::log::{Build, Entry};
 use crate::parameter::{self, ParameterError};
 
-/// A save erases flash, which takes up to 1.6 s; nothing is answered meanwhile.
-const SAVE_PATIENCE: Duration = Duration::from_secs(3);
+/// A save erases flash, which takes up to 1.6 s, as may a clear, for a full event log; nothing is answered meanwhile.
+const ERASE_PATIENCE: Duration = Duration::from_secs(3);
 
 /// Why a command was not carried out, or nobody knows whether it was.
 #[derive(Debug, thiserror::Error)]
@@ -290,7 +290,7 @@ impl<S: Read + Write> Connection<S> {
     fn converse(&mut self, command: Command) -> Result<(Answer, u32), LinkError> {
         let (sequence, packet) = self.client.send(command);
         let patience = match command {
-            Command::Save => self.persistence.patience.max(SAVE_PATIENCE),
+            Command::Save | Command::ClearFault => self.persistence.patience.max(ERASE_PATIENCE),
             _ => self.persistence.patience,
         };
         let attempts = self.persistence.attempts.max(1);

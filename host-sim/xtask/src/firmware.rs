@@ -17,12 +17,16 @@ pub struct Image {
     /// The ELF file.
     pub elf: PathBuf,
     sections: Vec<Section>,
+    /// As `servo-lab link status` names the image that a drive has.
+    build: String,
 }
 
 #[derive(Debug)]
 struct Section {
     name: String,
     address: u64,
+    /// In the file.
+    offset: usize,
     bytes: u64,
     in_file: bool,
 }
@@ -92,7 +96,7 @@ impl Image {
 
     /// Says what the image takes.
     pub fn print(&self) {
-        println!("{}", self.elf.display());
+        println!("{}\nbuild {}", self.elf.display(), self.build);
         for section in &self.sections {
             println!("  {:<14} {:#010x} {:>7} bytes", section.name, section.address, section.bytes);
         }
@@ -103,8 +107,16 @@ impl Image {
     fn read(elf: PathBuf) -> Result<Self, String> {
         let bytes = fs::read(&elf).map_err(|error| format!("{}: {error}", elf.display()))?;
         let sections = sections(&bytes).ok_or_else(|| format!("{}: not a 32-bit ELF file", elf.display()))?;
-        Ok(Self { elf, sections })
+        let build = build_id(&bytes, &sections).ok_or_else(|| format!("{}: has no build id", elf.display()))?;
+        Ok(Self { elf, sections, build })
     }
+}
+
+/// The first eight bytes of the linker's hash over the image: behind the head of its note (16 bytes), where memory.x puts it.
+fn build_id(elf: &[u8], sections: &[Section]) -> Option<String> {
+    let section = sections.iter().find(|section| section.name == ".build_id")?;
+    let id = elf.get(section.offset..)?.get(16..24)?;
+    Some(id.iter().map(|byte| format!("{byte:02x}")).collect())
 }
 
 fn sections(elf: &[u8]) -> Option<Vec<Section>> {
@@ -127,10 +139,46 @@ fn sections(elf: &[u8]) -> Option<Vec<Section>> {
             found.push(Section {
                 name: String::from_utf8_lossy(name).into_owned(),
                 address: word(at + 12)?.into(),
+                offset: word(at + 16)? as usize,
                 bytes: bytes.into(),
                 in_file: word(at + 4)? != NO_BITS,
             });
         }
     }
     Some(found)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// An ELF file with the sections `.build_id` and that of the names.
+    fn elf(note: &[u8]) -> Vec<u8> {
+        let names = b".build_id\0.shstrtab\0";
+        let words = |words: [u32; 10]| words.into_iter().flat_map(u32::to_le_bytes).collect::<Vec<u8>>();
+        let table_at = 52 + names.len() + note.len();
+        let mut file = vec![0; 52];
+        file[..5].copy_from_slice(b"\x7fELF\x01");
+        file[32..36].copy_from_slice(&(table_at as u32).to_le_bytes());
+        // Size, number and name section of the headers.
+        for (at, half) in [(46, 40_u16), (48, 2), (50, 1)] {
+            file[at..at + 2].copy_from_slice(&half.to_le_bytes());
+        }
+        file.extend_from_slice(names);
+        file.extend_from_slice(note);
+        let note_at = (52 + names.len()) as u32;
+        file.extend(words([0, 7, 2, 0x0800_01AC, note_at, note.len() as u32, 0, 0, 4, 0]));
+        file.extend(words([10, 3, 0, 0, 52, names.len() as u32, 0, 0, 1, 0]));
+        file
+    }
+
+    #[test]
+    fn an_image_is_named_by_the_first_eight_bytes_of_its_hash() {
+        let note: Vec<u8> = (0..36).collect();
+        let file = elf(&note);
+        let found = sections(&file).unwrap_or_default();
+        assert_eq!(build_id(&file, &found).as_deref(), Some("1011121314151617"));
+        assert_eq!(build_id(&file, &[]), None);
+        assert_eq!(build_id(&file[..60], &found), None);
+    }
 }

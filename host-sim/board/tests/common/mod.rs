@@ -11,8 +11,9 @@ use board::machine::ServoBoard;
 use board::rotor::Rotor;
 use board::rtt::Probe;
 use board::world::{AMPLIFIER_READY, INTERLOCK, STOP_RELEASED, World};
+use er_servo::events::Event;
 use er_servo::experiment::{Experiment, Shape};
-use er_servo::link::Command;
+use er_servo::link::{Answer, Command};
 use object::{Object, ObjectSection, ObjectSymbol};
 use rigless::emulator::{Finished, Host};
 use rigless::soc::Width;
@@ -88,6 +89,12 @@ impl Panics {
 /// What people read.
 pub fn log(run: &Run) -> Vec<Entry> {
     decoded(&run.driver.probe.as_ref().unwrap().events.bytes)
+}
+
+/// The last event that was asked for over the link.
+pub fn event(run: &Run) -> Option<Event> {
+    let answers = run.driver.link.replies.iter().rev().map(|(_, reply)| reply.answer);
+    answers.into_iter().find_map(|answer| if let Answer::Event(event) = answer { event } else { None })
 }
 
 /// What was recorded over RTT.

@@ -3,6 +3,7 @@
 mod drive;
 mod experiment;
 pub(super) mod identify;
+mod set;
 mod status;
 
 use std::path::PathBuf;
@@ -11,7 +12,7 @@ use std::time::Duration;
 use er_servo::Counts;
 use er_servo::link::{self, BAUD, Command, Pace};
 use wire::connection::{Connection, Persistence};
-use wire::parameter::{check, find};
+use wire::parameter::find;
 
 use super::record::csv_name;
 use crate::Error;
@@ -125,14 +126,7 @@ enum Action {
         names: Vec<String>,
     },
     /// Set parameters of the law, all or none, until the next reset; `save` keeps them.
-    Set {
-        /// Names and values.
-        #[arg(required = true, value_name = "NAME=VALUE", value_parser = assignment)]
-        values: Vec<(String, f32)>,
-        /// Even if the loop would be unstable; the drive logs it.
-        #[arg(long)]
-        force: bool,
-    },
+    Set(set::Args),
     /// Make the parameters the image was built with those of the law.
     Defaults,
     /// Make the parameters in flash those of the law.
@@ -218,23 +212,13 @@ pub(super) fn seconds(text: &str) -> Result<Duration, String> {
     seconds.map(Duration::from_secs_f64).ok_or_else(|| "seconds, 0 to 3.2e7, are expected".to_owned())
 }
 
-fn assignment(text: &str) -> Result<(String, f32), String> {
-    let (name, value) = text.split_once('=').ok_or("NAME=VALUE is expected")?;
-    let value = match value.trim() {
-        "true" => 1.0,
-        "false" => 0.0,
-        number => number.parse().map_err(|_| format!("`{number}` is not a number"))?,
-    };
-    Ok((name.trim().to_owned(), value))
-}
-
 /// Carries the action out in a session of its own.
 ///
 /// # Errors
 /// No connection, a drive that refuses, flags or values that cannot be.
 pub fn run(args: &Args) -> Result<(), Error> {
     args.action.check()?;
-    let record = args.action.record()?;
+    let (record, values) = (args.action.record()?, args.action.values()?);
     let (line, persistence) = (args.line.line(), args.line.persistence());
     if let Action::Identify(args) = &args.action {
         return identify::run(args, line, persistence);
@@ -242,6 +226,7 @@ pub fn run(args: &Args) -> Result<(), Error> {
     let mut drive = Drive { connection: line.connect_with(persistence)?, line };
     let outcome = match (&args.action, record) {
         (Action::Run(run), Some(out)) => drive.run_recorded(run, out),
+        (Action::Set(set), _) => drive.set(&values, set.force),
         (action, _) => drive.carry_out(action),
     };
     drive.connection.close();
@@ -256,7 +241,7 @@ impl Drive {
             Action::Events => drive.print_events(),
             Action::Enable(stay) => drive.enable(stay.autonomous).and_then(|()| drive.stay(stay)),
             Action::Disable => drive.disable(),
-            Action::Clear => drive.tell_until(Command::ClearFault, "cleared", |status| status.state != FAULT),
+            Action::Clear => drive.clear(),
             Action::Home => drive.tell(Command::SetPosition { counts: 0 }),
             Action::SetPosition(target) => drive.tell(Command::SetPosition { counts: target.counts()? }),
             Action::Reference { target, relative, speed, accel, max_torque_nm, stay } => {
@@ -269,10 +254,9 @@ impl Drive {
                 drive.tell(Command::Hold { autonomous: stay.autonomous }).and_then(|()| drive.stay(stay))
             }
             Action::Run(run) => drive.run(run),
-            // Has a session of its own.
-            Action::Identify(_) => Ok(()),
+            // One has a session of its own, the other values that were read before.
+            Action::Identify(_) | Action::Set(_) => Ok(()),
             Action::Get { names } => drive.get(names),
-            Action::Set { values, force } => drive.set(values, *force),
             Action::Defaults => drive.tell(Command::Defaults).and_then(|()| drive.tell(APPLY)),
             Action::Load => drive.tell(Command::Load).and_then(|()| drive.tell(APPLY)),
             Action::Save => drive.tell(Command::Save),
@@ -291,11 +275,15 @@ impl Action {
         files.check()?.growing(out).map(Some)
     }
 
+    /// The parameters that are to be set.
+    fn values(&self) -> Result<Vec<set::Assignment>, Error> {
+        if let Self::Set(args) = self { args.values() } else { Ok(Vec::new()) }
+    }
+
     /// What can be known to be wrong without a drive.
     fn check(&self) -> Result<(), Error> {
         let outcome = match self {
             Self::Get { names } => names.iter().try_for_each(|name| find(name).map(drop)),
-            Self::Set { values, .. } => values.iter().try_for_each(|(name, value)| check(find(name)?.1, *value)),
             Self::Reference { target, .. } | Self::SetPosition(target) => return target.counts().map(drop),
             _ => Ok(()),
         };

@@ -138,6 +138,7 @@ pub fn text(found: &Identified) -> String {
     } else {
         text += &row("field lag", "ms", &field.rise_s, 1e3);
     }
+    text += "er_q1_s_rad and er_q2_s2_rad2 stay as they were: how (5) falls over the speed is chosen, not measured\n";
     let (passes, left, runs) = (steady.passes, steady.residual_nm * 1e3, recordings.len());
     text + &format!("{runs} experiments; {passes} passes at constant speed leave {left:.2} mN m\n")
 }

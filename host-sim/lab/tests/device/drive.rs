@@ -24,6 +24,8 @@ pub struct Machine {
     pub log: Vec<u8>,
     /// Ticks whose frames the log loses from now on.
     pub lose: u32,
+    /// The next clear has to make room in the event log.
+    pub log_is_full: bool,
     /// What it has sent over the link beside its answers, since somebody took it.
     pub telemetry: Vec<u8>,
     packer: Option<Packer>,
@@ -54,6 +56,7 @@ impl Machine {
             last: None,
             log: Vec::new(),
             lose: 0,
+            log_is_full: false,
             telemetry: Vec::new(),
             packer: None,
             encoder,
@@ -207,6 +210,12 @@ impl Drive for Machine {
 
     fn event(&mut self, back: u8) -> Option<Event> {
         self.events.iter().rev().nth(back.into()).copied()
+    }
+
+    fn make_room_for_events(&mut self) {
+        if std::mem::take(&mut self.log_is_full) {
+            self.bench.servo.pause();
+        }
     }
 
     fn recording(&self) -> bool {

@@ -26,6 +26,8 @@ pub struct Strings {
     ended: AtomicBool,
     /// Opens the interlock.
     pub interlock_open: AtomicBool,
+    /// Fills the event log.
+    pub log_is_full: AtomicBool,
     /// Answers that are lost from now on.
     pub lose_answers: AtomicU32,
     /// Hangs up on the reader of the log.
@@ -137,6 +139,7 @@ fn serve(strings: &Strings, mut link: Ear, mut log: Ear, ticks_s: f64, mut machi
             }
         }
         machine.bench.interlock_closed.set(!strings.interlock_open.load(Ordering::Relaxed));
+        machine.log_is_full |= strings.log_is_full.swap(false, Ordering::Relaxed);
         let due = (start.elapsed().as_secs_f64() * ticks_s) as u32;
         // A thread that was kept waiting does not catch up: that would be silence of the link.
         machine.ticks((due - ticks).min(at_once));

@@ -75,6 +75,7 @@ fn a_machine_is_found_by_experiments_and_its_drive_gets_it() {
         assert!((value / truth - 1.0).abs() < share, "{name}: {value}, not {truth}");
         held += usize::from(holds);
     }
+    assert!(said.contains("er_q1_s_rad and er_q2_s2_rad2 stay as they were"), "{said}");
     // Of eleven intervals of 95 %, fewer than nine hold the truth once in a hundred times.
     assert!(held >= 9, "{held} of {} intervals hold the truth", TRUTH.len());
     let text = fs::read_to_string(folder.path().join("found/machine.toml")).unwrap();

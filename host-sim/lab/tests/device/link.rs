@@ -72,6 +72,43 @@ fn every_command_is_carried_out() {
 }
 
 #[test]
+fn parameters_come_back_from_a_file() {
+    let far = Far::start(None);
+    let folder = tempfile::tempdir().unwrap();
+    let there = |line: &str| printed(folder.path(), &far.line(line));
+    // One of every kind: a number, a flag, and gains that need the force they were set with.
+    there("set kp_nm_rad=200 er_q0=3.3 hold=true kd_nm_s_rad=0.1 --force");
+    let before = there("get");
+    std::fs::write(folder.path().join("before.toml"), &before).unwrap();
+    there("defaults");
+    assert_ne!(there("get"), before);
+    let unstable = fails(folder.path(), &far.line("set --from before.toml"), 2);
+    assert!(unstable.contains("margins too small"), "{unstable}");
+    there("set --from before.toml --force");
+    assert_eq!(there("get"), before);
+
+    // Of a machine file its law, and only what it names.
+    let machine = "schema = 1\nname = \"m\"\n[controller]\nkd_nm_s_rad = 8\n[plant]\ninertia = 1.0\n";
+    std::fs::write(folder.path().join("machine.toml"), machine).unwrap();
+    there("set --from machine.toml");
+    let changed = before.replace("kd_nm_s_rad = 0.1 ", "kd_nm_s_rad = 8 ");
+    assert_eq!(there("get"), changed);
+
+    for (file, text, message) in [
+        ("typo.toml", "hold = true\nkp_nm_rd = 1\n", "typo.toml: line 2: kp_nm_rd"),
+        ("wide.toml", "torque_limit_nm = 31\n", "torque_limit_nm: 31 N m is not allowed, 0 to 30 is"),
+        ("other.toml", "period_s = 0.001\n", "period_s: built into the image, only 0.0005 is allowed"),
+        ("lawless.toml", "schema = 1\n", "section [controller] is missing"),
+    ] {
+        std::fs::write(folder.path().join(file), text).unwrap();
+        let said = fails(folder.path(), &far.line(&format!("set --from {file}")), 2);
+        assert!(said.contains(message), "{file}: {said}");
+    }
+    assert!(fails(folder.path(), &far.line("set --from missing.toml"), 2).contains("missing.toml: cannot be read"));
+    assert_eq!(there("get"), changed, "all or none");
+}
+
+#[test]
 fn what_cannot_be_is_said_with_what_can() {
     let far = Far::start(None);
     let cases = [
@@ -162,6 +199,24 @@ fn a_session_that_falls_silent_is_a_fault_while_the_reference_comes_from_it() {
     assert!(refused(&far, "enable", 3).contains("a fault is latched"));
     assert!(done(&far, "events").contains("command link lost: reconnect, then clear\n"));
     assert_eq!(done(&far, "clear"), "cleared\n");
+}
+
+#[test]
+fn a_clear_that_costs_the_axis_its_position_says_so() {
+    let far = Far::start(None);
+    for log_is_full in [false, true] {
+        done(&far, "home");
+        done(&far, "enable --autonomous");
+        far.strings.interlock_open.store(true, Ordering::Relaxed);
+        thread::sleep(Duration::from_millis(100));
+        far.strings.interlock_open.store(false, Ordering::Relaxed);
+        far.strings.log_is_full.store(log_is_full, Ordering::Relaxed);
+        thread::sleep(Duration::from_millis(100));
+        let told = if log_is_full { "has lost its position: home it\n" } else { "cleared\n" };
+        let said = done(&far, "clear");
+        assert!(said.starts_with("cleared\n") && said.ends_with(told), "{said}");
+        while !done(&far, "status").starts_with("state        ready") {}
+    }
 }
 
 #[cfg(unix)]

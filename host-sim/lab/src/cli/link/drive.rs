@@ -8,7 +8,8 @@ use er_servo::link::{Command, Status};
 use er_servo::parameters::{Parameter, TABLE};
 use wire::connection::LinkError;
 
-use super::{BEAT, Drive, RUNNING, Run, STOPPING, Stay, TAKES_EFFECT, status};
+use super::set::Assignment;
+use super::{BEAT, Drive, FAULT, RUNNING, Run, STOPPING, Stay, TAKES_EFFECT, status};
 use crate::cli::decode::note_parameters;
 use crate::decode::parameter_line;
 use crate::interrupt::Interrupt;
@@ -54,6 +55,16 @@ impl Drive {
                 return Err(self.refused(&format!("not {what}"), &status));
             }
         }
+    }
+
+    /// Chips that are brought up again, and an event log that has to be tidied, cost an axis its position.
+    pub(super) fn clear(&mut self) -> Result<(), Error> {
+        let was_homed = self.status()?.homed;
+        self.tell_until(Command::ClearFault, "cleared", |status| status.state != FAULT)?;
+        if was_homed && !self.status()?.homed {
+            output::print("the axis was not watched meanwhile and has lost its position: home it\n")?;
+        }
+        Ok(())
     }
 
     pub(super) fn print_status(&mut self, json: bool) -> Result<(), Error> {
@@ -153,9 +164,8 @@ impl Drive {
         output::print(&TABLE.iter().filter(is_asked).map(line).collect::<String>())
     }
 
-    pub(super) fn set(&mut self, values: &[(String, f32)], force: bool) -> Result<(), Error> {
-        let values: Vec<(&str, f32)> = values.iter().map(|(name, value)| (name.as_str(), *value)).collect();
-        let outcome = self.connection.set_parameters(&values, force);
+    pub(super) fn set(&mut self, values: &[Assignment], force: bool) -> Result<(), Error> {
+        let outcome = self.connection.set_parameters(values, force);
         self.known(outcome)
     }
 }

@@ -26,7 +26,9 @@ pub fn event(event: &Event) -> String {
         "{number:<4} {:.3} s after the reset, at {position_rad:.4} rad, {speed_rad_s:.2} rad/s, worst tick {worst_cycles} cycles\n",
         f64::from(*at_ms) * 1e-3
     );
-    event.faults().explain().chain(chip).fold(head, |text, cause| text + "     " + cause + "\n")
+    let causes = event.faults().explain().chain(chip).map(str::to_owned);
+    let causes = causes.chain(event.restart.map(|restart| restart.to_string()));
+    causes.fold(head, |text, cause| text + "     " + &cause + "\n")
 }
 
 /// What the drive says of its image.
