@@ -1,10 +1,15 @@
-//! The book in `docs`: every command in it runs, every page is listed, every link leads somewhere, and it builds.
+//! README, `examples` and the book in `docs`: every command in them runs, every link leads somewhere, and what they say of the
+//! tool is so.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+#[path = "book/contents.rs"]
+mod contents;
+#[path = "book/examples.rs"]
+mod examples;
 #[path = "own_logs/files.rs"]
-// Other tests write logs in the other formats.
-#[allow(dead_code)]
 mod files;
+#[path = "book/links.rs"]
+mod links;
 #[path = "own_logs/plant.rs"]
 mod machine;
 
@@ -14,12 +19,22 @@ use std::process::Command;
 
 use assert_cmd::cargo::cargo_bin;
 
+/// The folder of the repository.
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
+}
+
 fn docs() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs")
+    root().join("docs")
+}
+
+/// A text of the repository.
+fn text(name: &str) -> String {
+    fs::read_to_string(root().join(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
 }
 
 fn page(name: &str) -> String {
-    fs::read_to_string(docs().join(name)).unwrap_or_else(|error| panic!("docs/{name}: {error}"))
+    text(&format!("docs/{name}"))
 }
 
 /// The blocks of commands of a page.
@@ -33,10 +48,10 @@ const OWN_LOG: &str = "your-own-log.md";
 /// The page whose commands need a drive: that they exist, with all their flags, is all that can be looked at.
 const DRIVE: &str = "drive.md";
 
-/// Runs blocks of commands in a folder, as they stand in the book.
+/// Runs blocks of commands in a folder, as they stand in the book; programs are looked for in the folder, too.
 fn run(folder: &Path, blocks: Vec<String>) {
     let program = cargo_bin("servo-lab");
-    let mut folders = vec![program.parent().unwrap().to_path_buf()];
+    let mut folders = vec![program.parent().unwrap().to_path_buf(), folder.to_path_buf()];
     folders.extend(std::env::split_paths(&std::env::var_os("PATH").unwrap()));
     let path = std::env::join_paths(folders).unwrap();
     for block in blocks {
@@ -60,6 +75,37 @@ fn every_command_of_ten_minutes_with_your_own_log_runs() {
     }
 }
 
+/// The lines of "your own log", a stub in the place of the desktop's program that opens a page.
+#[test]
+#[cfg(unix)]
+#[cfg_attr(debug_assertions, ignore = "minutes without optimisation; the tests in release run it")]
+fn the_readmes_lines_for_your_own_log_run() {
+    use std::os::unix::fs::PermissionsExt as _;
+    let folder = tempfile::tempdir().unwrap();
+    examples::copy(&folder.path().join("examples"));
+    let open = folder.path().join("xdg-open");
+    fs::write(&open, "#!/bin/sh\ntest -f \"$1\"\n").unwrap();
+    fs::set_permissions(&open, fs::Permissions::from_mode(0o755)).unwrap();
+    let readme = text("README.md");
+    let section = readme.split("\n## ").find(|section| section.starts_with("Your own log")).unwrap();
+    let blocks = commands(section);
+    assert_eq!(blocks.iter().flat_map(|block| block.lines()).count(), 5, "{blocks:?}");
+    run(folder.path(), blocks);
+    for made in ["machine.toml", "answer.html", "improved.toml", "plots"] {
+        assert!(folder.path().join(made).exists(), "{made}");
+    }
+}
+
+#[test]
+#[cfg_attr(debug_assertions, ignore = "minutes without optimisation; the tests in release run it")]
+fn every_command_of_the_examples_runs() {
+    let folder = tempfile::tempdir().unwrap();
+    examples::copy(folder.path());
+    let blocks = commands(&text("examples/README.md"));
+    assert!(blocks.len() >= 3, "{blocks:?}");
+    run(folder.path(), blocks);
+}
+
 /// A servo with a law, for the pages that take a machine for granted.
 const MACHINE: &str = include_str!("../src/cli/demo/machine.toml");
 
@@ -67,7 +113,7 @@ const MACHINE: &str = include_str!("../src/cli/demo/machine.toml");
 #[cfg_attr(debug_assertions, ignore = "minutes without optimisation; the tests in release run it")]
 fn every_command_of_the_other_pages_runs() {
     let pages: Vec<String> =
-        links(&page("SUMMARY.md")).into_iter().filter(|name| name != OWN_LOG && name != DRIVE).collect();
+        links::targets(&page("SUMMARY.md")).into_iter().filter(|name| name != OWN_LOG && name != DRIVE).collect();
     let mut count = 0;
     for name in pages {
         let folder = tempfile::tempdir().unwrap();
@@ -91,50 +137,5 @@ fn every_command_for_a_drive_exists_with_its_flags() {
         let output =
             Command::new(cargo_bin("servo-lab")).args(words.split_whitespace()).arg("--help").output().unwrap();
         assert!(output.status.success(), "{line}: {}", String::from_utf8_lossy(&output.stderr));
-    }
-}
-
-#[test]
-fn the_book_builds() {
-    if Command::new("mdbook").arg("--version").output().is_err() {
-        println!("not built: mdbook is not on the path (cargo install mdbook)");
-        return;
-    }
-    let folder = tempfile::tempdir().unwrap();
-    let output = Command::new("mdbook").arg("build").arg(docs()).arg("--dest-dir").arg(folder.path()).output().unwrap();
-    let said = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success() && !said.contains("WARN") && !said.contains("ERROR"), "{said}");
-    assert!(folder.path().join("drive.html").is_file());
-}
-
-/// Targets of the links of a page that are files.
-fn links(text: &str) -> Vec<String> {
-    let targets = text.split("](").skip(1).filter_map(|rest| rest.split(')').next());
-    let files = targets.filter(|target| !target.contains("://") && !target.starts_with('#'));
-    files.map(|target| target.split('#').next().unwrap().to_owned()).collect()
-}
-
-#[test]
-fn every_page_is_listed_and_every_link_leads_somewhere() {
-    let listed = links(&page("SUMMARY.md"));
-    // Ten minutes, reading, formats, method, field guide, drive, effect, porting, scores, and the JSON.
-    assert!(listed.len() >= 10, "{listed:?}");
-    for entry in fs::read_dir(docs()).unwrap() {
-        let name = entry.unwrap().file_name().to_string_lossy().into_owned();
-        if !name.ends_with(".md") {
-            continue;
-        }
-        assert!(name == "SUMMARY.md" || listed.contains(&name), "docs/{name} is not in SUMMARY.md");
-        for link in links(&page(&name)) {
-            assert!(docs().join(&link).exists(), "docs/{name} leads to {link}, which is not there");
-        }
-    }
-}
-
-#[test]
-fn the_glossary_has_every_verdict() {
-    let glossary = page("reading-the-answer.md");
-    for verdict in ["none", "named", "partial", "ambiguous", "unknown", "controller"] {
-        assert!(glossary.contains(&format!("| `{verdict}` |")), "{verdict}");
     }
 }

@@ -12,9 +12,7 @@ use std::path::Path;
 use assert_cmd::Command;
 use files::{csv, write_mat, write_mcap};
 use lab::read::{AxisKind, Machine};
-use machine::{pushed_pendulum, run};
-use plant::Model;
-use plant::effects::Harmonic;
+use machine::{cogging_joint, pushed_pendulum, sprung_axis};
 use serde_json::Value;
 
 /// Runs `servo-lab` in a folder; what it prints.
@@ -121,9 +119,7 @@ fn a_pendulum_in_degrees_and_amperes() {
 #[cfg_attr(debug_assertions, ignore = "minutes without optimisation; the tests in release run it")]
 fn a_robots_joint_in_mcap() {
     let folder = tempfile::tempdir().unwrap();
-    let cogging = vec![Harmonic { amplitude: 0.2, order: 10.0, phase_rad: 0.5 }];
-    let model = Model { coulomb: 0.3, viscous: 0.05, cogging, ..Model::new(0.02) };
-    write_mcap(&folder.path().join("arm.mcap"), &run(&model, [8.0, 0.3, 0.6], 0.002, 1e-4));
+    write_mcap(&folder.path().join("arm.mcap"), &cogging_joint(0.002));
     let asked = refused(folder.path(), &["init", "arm.mcap"]);
     assert!(asked.contains("2 joints") && asked.contains("--joint with one of `elbow`, `wrist`"), "{asked}");
     let printed = lab(folder.path(), &["init", "arm.mcap", "--joint", "elbow"]);
@@ -145,8 +141,7 @@ fn a_robots_joint_in_mcap() {
 #[cfg_attr(debug_assertions, ignore = "minutes without optimisation; the tests in release run it")]
 fn a_linear_axis_in_mat() {
     let folder = tempfile::tempdir().unwrap();
-    let model = Model { coulomb: 9.0, viscous: 40.0, spring_stiffness: 150.0, ..Model::new(12.0) };
-    write_mat(&folder.path().join("axis.mat"), &run(&model, [9000.0, 250.0, 0.05], 0.001, 1e-6));
+    write_mat(&folder.path().join("axis.mat"), &sprung_axis(0.001));
     let printed = lab(folder.path(), &["init", "axis.mat"]);
     println!("{printed}");
     let machine = Machine::read(&folder.path().join("machine.toml")).unwrap();

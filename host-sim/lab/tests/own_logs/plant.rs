@@ -1,6 +1,6 @@
 //! Machines that nobody has described, simulated.
 
-use plant::effects::{Gravity, Pulse};
+use plant::effects::{Gravity, Harmonic, Pulse};
 use plant::{Command as Effort, Model, Plant, State};
 use rand::SeedableRng as _;
 use rand::rngs::StdRng;
@@ -15,12 +15,25 @@ pub fn pushed_pendulum(steps_per_deg: f64) -> Vec<[f64; 3]> {
     run(&model, [9.0, 0.8, 1.2], 0.002, 1.0_f64.to_radians() / steps_per_deg)
 }
 
+/// A joint that cogs ten times a turn by 0.2 N m, logged every `period_s`.
+pub fn cogging_joint(period_s: f64) -> Vec<[f64; 3]> {
+    let cogging = vec![Harmonic { amplitude: 0.2, order: 10.0, phase_rad: 0.5 }];
+    let model = Model { coulomb: 0.3, viscous: 0.05, cogging, ..Model::new(0.02) };
+    run(&model, [8.0, 0.3, 0.6], period_s, 1e-4)
+}
+
+/// A linear axis that a spring of 150 N/m pulls back, logged every `period_s`.
+pub fn sprung_axis(period_s: f64) -> Vec<[f64; 3]> {
+    let model = Model { coulomb: 9.0, viscous: 40.0, spring_stiffness: 150.0, ..Model::new(12.0) };
+    run(&model, [9000.0, 250.0, 0.05], period_s, 1e-6)
+}
+
 /// Rounds of the drive's loop for each row of the log.
 const ROUNDS: u32 = 20;
 
 /// Time, position and effort of a machine under a spring and a damper that follow two sines. The drive's loop runs faster than
 /// the log, so the effort is a sample of what acts; it is read with a noise of 0.2 % of its largest.
-pub fn run(model: &Model, [stiffness, damping, amplitude]: [f64; 3], period_s: f64, step: f64) -> Vec<[f64; 3]> {
+fn run(model: &Model, [stiffness, damping, amplitude]: [f64; 3], period_s: f64, step: f64) -> Vec<[f64; 3]> {
     let mut plant = Plant::new(model, State::default(), 0.0).unwrap();
     let mut rows = Vec::new();
     for round in 0..ROUNDS * (8.0 / period_s) as u32 {
