@@ -189,3 +189,25 @@ fn the_resolution_of_a_fast_axis_is_found() {
     let printed = lab(folder.path(), &["init", "a.csv"]);
     assert!(printed.contains("resolution       0.0001 rad; step of the position"), "{printed}");
 }
+
+#[test]
+fn the_columns_of_a_slide_are_given_as_the_first_help_has_them() {
+    let folder = tempfile::tempdir().unwrap();
+    // A slide of 12 mm amplitude, microseconds, and a motor of which one ampere makes 0.12 N.
+    let mut text = String::from("ts,pos,i\n");
+    for row in 0..ROWS {
+        let t_s = PERIOD_S * row as f64;
+        let now = motion(0.012, t_s);
+        let force = 0.5 * now[2] + 0.3 * now[1].signum();
+        let _ = writeln!(text, "{:.0},{:.4},{:.5}", 1e6 * t_s, 1e3 * now[0], force / 0.12);
+    }
+    fs::write(folder.path().join("LOG"), &text).unwrap();
+    let line = "init LOG --map position=pos:mm --map torque=i:A*0.12 --map time=ts:us -o machine.toml";
+    let printed = lab(folder.path(), &line.split(' ').collect::<Vec<_>>());
+    let machine = machine(folder.path());
+    assert!(machine.contains("kind = \"linear\""), "{machine}");
+    assert!(machine.contains(r#"force = { name = "i", unit = "A", scale = 0.12 }"#), "{machine}");
+    let inertia = machine.lines().find(|line| line.starts_with("inertia")).unwrap();
+    let value: f64 = inertia.split([' ', '#']).nth(2).unwrap().parse().unwrap();
+    assert!((value / 0.5 - 1.0).abs() < 0.05, "{inertia}: {printed}");
+}
