@@ -174,7 +174,9 @@ pub fn diagnose(problem: &Problem, vocabulary: &[&'static Effect]) -> Option<Con
 
 fn concluded(problem: &Problem, vocabulary: &[&'static Effect]) -> Option<Conclusion> {
     let of_estimate = problem.left() / OF_ESTIMATE;
+    problem.tally().estimating(false);
     let found = problem.within(problem.left() - of_estimate, |own| search(own, vocabulary))?;
+    problem.tally().estimating(true);
     // A motion that is given is not integrated.
     let integrated = problem.motions.is_empty() && !found.best.assessed.refitted.hypothesis.entries.is_empty();
     let finer = integrated.then(|| problem.finer_within(of_estimate, PASSES_OF_ESTIMATE));

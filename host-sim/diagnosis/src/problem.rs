@@ -10,7 +10,7 @@ use crate::likelihood::{Acting, Grid, Lately, Rounding};
 use crate::physics::Physics;
 use crate::recorded::Recorded;
 use crate::repetition::Repetition;
-use crate::work::Work;
+use crate::work::{Tally, Work};
 
 /// Recordings to fit and to hold out, with the nominal machine.
 #[derive(Debug, Clone)]
@@ -40,6 +40,8 @@ pub struct Problem {
     pub least_sensor_sd: f64,
     /// What all passes may cost, and what they have.
     pub(crate) work: Work,
+    /// What is counted for whoever waits.
+    tally: Tally,
     /// Rows of each recording on which its noise is estimated: two numbers need no more.
     pub excerpts: Arc<[Vec<Range<usize>>]>,
 }
@@ -87,6 +89,7 @@ impl Problem {
             step: resolution,
             // Only a diagnosis has a bound: what ranks a few hypotheses has an end of its own.
             work: Work::of(u64::MAX),
+            tally: Tally::default(),
         }
     }
 }
@@ -177,6 +180,7 @@ impl Problem {
     /// Counts work done, in substeps of three states.
     pub(crate) fn spend(&self, substeps: usize) {
         self.work.spend(substeps as u64);
+        self.tally.count(substeps as u64);
     }
 
     /// Whether nothing more may be begun, which is noted: to be asked where something would be, and not from several parts that are
@@ -207,6 +211,11 @@ impl Problem {
     /// Work done so far, in substeps of three states.
     pub fn work(&self) -> u64 {
         self.work.spent()
+    }
+
+    /// Work as it is done on this problem and all that come of it.
+    pub fn tally(&self) -> &Tally {
+        &self.tally
     }
 
     /// Recordings on which a fit is judged: those held out, else those to fit.

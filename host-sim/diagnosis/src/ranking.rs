@@ -36,11 +36,16 @@ const FOLLOWED: usize = 2;
 /// Most steps of a fit, as the search takes for those it follows.
 const ROUNDS: usize = 10;
 
-/// Fits every contender and compares it with the best, likeliest first; empty where no pass over the recordings is finite.
-pub fn rank(problem: &Problem, contenders: &[Contender]) -> Vec<Ranked> {
+/// Fits every contender and compares it with the best, likeliest first; empty where no pass over the recordings is finite. `fitted_one`
+/// is called whenever one is fitted, for whoever waits.
+pub fn rank(problem: &Problem, contenders: &[Contender], fitted_one: impl Fn() + Sync) -> Vec<Ranked> {
     let Some(nominal) = nominal(problem) else { return Vec::new() };
     let finer = problem.finer();
-    let fitted = |contender: &Contender| Some((contender.name, fit(problem, contender, &nominal)?.estimated(&finer)?));
+    let fitted = |contender: &Contender| {
+        let step = fit(problem, contender, &nominal).and_then(|step| step.estimated(&finer));
+        fitted_one();
+        Some((contender.name, step?))
+    };
     let mut steps: Vec<(&'static str, Step)> = contenders.par_iter().filter_map(fitted).collect();
     steps.sort_by(|(_, a), (_, b)| b.assessed.total().total_cmp(&a.assessed.total()));
     let Some((_, best)) = steps.first() else { return Vec::new() };

@@ -1,5 +1,6 @@
 //! What a diagnosis may cost: counted and not timed, so that it does the same on every machine and however many cores it has.
 
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 /// Substeps of three states of one diagnosis: 50 s on one core at the eight million a second that were measured on logs of 2 kHz and
@@ -55,5 +56,36 @@ impl Work {
     /// Whether something was left out.
     pub(crate) fn was_cut(&self) -> bool {
         self.cut.load(Ordering::Relaxed)
+    }
+}
+
+/// Work as it is done, over a problem and all that come of it, for whoever waits for the end; nothing is decided by it. Accounts hear
+/// of a part's work only when the part ends.
+#[derive(Debug, Clone, Default)]
+pub struct Tally(Arc<Counts>);
+
+#[derive(Debug, Default)]
+struct Counts {
+    done: AtomicU64,
+    estimating: AtomicBool,
+}
+
+impl Tally {
+    /// Work done so far, in substeps of three states.
+    pub fn done(&self) -> u64 {
+        self.0.done.load(Ordering::Relaxed)
+    }
+
+    /// Whether values are being estimated, else hypotheses are searched for.
+    pub fn is_estimating(&self) -> bool {
+        self.0.estimating.load(Ordering::Relaxed)
+    }
+
+    pub(crate) fn count(&self, substeps: u64) {
+        self.0.done.fetch_add(substeps, Ordering::Relaxed);
+    }
+
+    pub(crate) fn estimating(&self, is: bool) {
+        self.0.estimating.store(is, Ordering::Relaxed);
     }
 }

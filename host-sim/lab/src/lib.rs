@@ -18,6 +18,7 @@ pub mod line;
 pub mod output;
 pub mod precheck;
 pub mod progress_bar;
+mod progress_line;
 pub mod propose;
 pub mod prove;
 pub mod record;

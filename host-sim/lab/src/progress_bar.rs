@@ -1,8 +1,11 @@
-//! Progress of work that takes over a second, on a terminal only.
+//! Progress of counted work that takes over a second, on a terminal only.
 
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use progress::Show;
+
+use crate::progress_line::StageLine;
 
 /// Work shorter than this shows nothing.
 const QUIET: Duration = Duration::from_secs(1);
@@ -14,9 +17,12 @@ struct Bar {
     start: Instant,
 }
 
-/// Shows the progress of this process from now on as bars on standard error, where that is a terminal.
+/// Shows the progress of this process from now on as bars and lines on standard error, where that is a terminal.
 pub fn show() {
-    progress::show_with(|what, steps| Box::new(Bar::new(what, steps)));
+    progress::show_with(Show {
+        steps: |what, steps| Box::new(Bar::new(what, steps)),
+        stages: |what| Box::new(StageLine::new(what, ProgressDrawTarget::stderr())),
+    });
 }
 
 impl Bar {

@@ -189,3 +189,124 @@ fn the_resolution_of_a_fast_axis_is_found() {
     let printed = lab(folder.path(), &["init", "a.csv"]);
     assert!(printed.contains("resolution       0.0001 rad; step of the position"), "{printed}");
 }
+
+#[test]
+fn the_columns_of_a_slide_are_given_as_the_first_help_has_them() {
+    let folder = tempfile::tempdir().unwrap();
+    // A slide of 12 mm amplitude, microseconds, and a motor of which one ampere makes 0.12 N.
+    let mut text = String::from("ts,pos,i\n");
+    for row in 0..ROWS {
+        let t_s = PERIOD_S * row as f64;
+        let now = motion(0.012, t_s);
+        let force = 0.5 * now[2] + 0.3 * now[1].signum();
+        let _ = writeln!(text, "{:.0},{:.4},{:.5}", 1e6 * t_s, 1e3 * now[0], force / 0.12);
+    }
+    fs::write(folder.path().join("LOG"), &text).unwrap();
+    let line = "init LOG --map position=pos:mm --map torque=i:A*0.12 --map time=ts:us -o machine.toml";
+    let printed = lab(folder.path(), &line.split(' ').collect::<Vec<_>>());
+    let machine = machine(folder.path());
+    assert!(machine.contains("kind = \"linear\""), "{machine}");
+    assert!(machine.contains(r#"force = { name = "i", unit = "A", scale = 0.12 }"#), "{machine}");
+    let inertia = machine.lines().find(|line| line.starts_with("inertia")).unwrap();
+    let value: f64 = inertia.split([' ', '#']).nth(2).unwrap().parse().unwrap();
+    assert!((value / 0.5 - 1.0).abs() < 0.05, "{inertia}: {printed}");
+}
+
+/// The line of `doctor` that begins so.
+fn line<'a>(looked: &'a str, what: &str) -> &'a str {
+    let found = looked.lines().find(|line| line.get(6..).is_some_and(|line| line.starts_with(what)));
+    found.unwrap_or_else(|| panic!("no line {what}: {looked}"))
+}
+
+#[test]
+fn what_a_motion_can_show_is_listed() {
+    let folder = tempfile::tempdir().unwrap();
+    // Noise of 10 mN m from end to end, as good as random, of the same law in both logs.
+    let noisy = |now: [f64; 3]| torque(now) + 0.01 * (((1e4 * now[0]).sin() * 1e4).fract() - 0.5);
+    let rich = |now: [f64; 3], _: [f64; 3]| vec![stepped(now[0]), noisy(now)];
+    fs::write(folder.path().join("rich.csv"), log("position_rad,torque_nm", 1.5, rich)).unwrap();
+    // One way, at 0.2 rad/s that change by a tenth over 10 s.
+    let slow = |now: [f64; 3], _: [f64; 3]| {
+        let t_s = now[0];
+        let (rate, swing) = (0.6, 0.02);
+        let at = [
+            0.2 * t_s + swing / rate * (rate * t_s).sin(),
+            0.2 + swing * (rate * t_s).cos(),
+            -swing * rate * (rate * t_s).sin(),
+        ];
+        vec![stepped(at[0]), noisy(at)]
+    };
+    let mut text = String::from("time_s,position_rad,torque_nm\n");
+    for row in 0..ROWS {
+        let t_s = PERIOD_S * row as f64;
+        let cells = slow([t_s, 0.0, 0.0], [0.0; 3]);
+        let _ = writeln!(text, "{t_s:.4},{:.7},{:.7}", cells[0], cells[1]);
+    }
+    fs::write(folder.path().join("slow.csv"), text).unwrap();
+    let has = |line: &str, id: &str| line.split([' ', ',', ':', ';']).any(|word| word == id);
+    let looked = lab(folder.path(), &["doctor", "rich.csv"]);
+    let shows = line(&looked, "shows");
+    assert!(["inertia", "coulomb_friction", "gravity_load"].iter().all(|id| has(shows, id)), "{looked}");
+    let looked = lab(folder.path(), &["doctor", "slow.csv"]);
+    assert!(has(line(&looked, "cannot show"), "inertia") && !has(line(&looked, "shows"), "inertia"), "{looked}");
+    assert!(has(line(&looked, "shows"), "coulomb_friction"), "{looked}");
+    // One way, friction and an offset are the same.
+    let alike = line(&looked, "not told");
+    assert!(has(alike, "coulomb_friction") && has(alike, "torque_offset"), "{looked}");
+}
+
+#[test]
+fn jitter_gaps_and_a_limit_are_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut text = String::from("time_s,position_rad,torque_nm\n");
+    let limited = |t_s: f64| {
+        let now = motion(1.5, t_s);
+        (stepped(now[0]), torque(now).clamp(-0.6, 0.6))
+    };
+    // Every third row is 0.8 ms late of 2 ms, and ten rows are gone after 3 s.
+    for row in (0..ROWS).filter(|row| !(1500..1510).contains(row)) {
+        let t_s = PERIOD_S * row as f64 + if row % 3 == 0 { 8e-4 } else { 0.0 };
+        let (position, torque) = limited(t_s);
+        let _ = writeln!(text, "{t_s:.4},{position:.4},{torque:.6}");
+    }
+    fs::write(folder.path().join("bad.csv"), text).unwrap();
+    let looked = lab(folder.path(), &["doctor", "bad.csv"]);
+    let jitter = line(&looked, "jitter");
+    assert!(jitter.starts_with("note") && jitter.contains("40.0 % in nine steps of ten"), "{looked}");
+    assert!(jitter.contains("better than those of the host"), "{looked}");
+    let gaps = line(&looked, "gaps");
+    assert!(gaps.starts_with("note") && gaps.contains("in 1 places, the first after row 1500"), "{looked}");
+    let limit = line(&looked, "saturation");
+    assert!(limit.starts_with("note") && limit.contains("from -0.6000 to 0.6000 N m"), "{looked}");
+    assert!(limit.contains("a limit? then state torque_limit"), "{looked}");
+    fs::write(
+        folder.path().join("good.csv"),
+        log("position_rad,torque_nm", 1.5, |now, _| vec![stepped(now[0]), torque(now)]),
+    )
+    .unwrap();
+    let looked = lab(folder.path(), &["doctor", "good.csv"]);
+    for what in ["jitter", "gaps", "saturation"] {
+        assert!(line(&looked, what).starts_with("ok"), "{looked}");
+    }
+}
+
+#[test]
+fn without_a_log_the_computer_is_looked_at() {
+    let folder = tempfile::tempdir().unwrap();
+    // Nothing is on the path: what is not there is needed for some things only, and is said.
+    let output =
+        Command::cargo_bin("servo-lab").unwrap().current_dir(folder.path()).env("PATH", "").arg("doctor").output();
+    let looked = String::from_utf8(output.unwrap().stdout).unwrap();
+    for (what, says) in [
+        ("compiler", "no rustc; needed to build the image only"),
+        ("target", "rustup target add thumbv7em-none-eabihf"),
+        ("probe-rs", "cargo install probe-rs-tools"),
+    ] {
+        let line = line(&looked, what);
+        assert!(line.starts_with("note") && line.contains(says), "{looked}");
+    }
+    for what in ["probe ", "serial"] {
+        line(&looked, what);
+    }
+    assert_eq!(looked.lines().count(), 5, "{looked}");
+}

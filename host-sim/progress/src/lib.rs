@@ -1,10 +1,12 @@
 //! How far long work is, and how long its stages took, as a library says it that knows no terminal.
 //!
-//! The library makes a [`Progress`] and advances it. Nothing shows until the program has said how, once, by [`show_with`].
+//! The library makes a [`Progress`] and advances it, or enters the stages of a [`Course`]. Nothing shows until the program has said
+//! how, once, by [`show_with`].
 #![forbid(unsafe_code)]
 
 use std::fmt::Debug;
-use std::sync::OnceLock;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, OnceLock};
 use std::time::{Duration, Instant};
 
 /// Shows the progress of one piece of work, and takes it away when dropped.
@@ -16,11 +18,59 @@ pub trait Display: Debug + Send + Sync {
 /// Begins to show a piece of work by its name and its number of steps.
 pub type Begin = fn(what: &str, steps: u64) -> Box<dyn Display>;
 
-static BEGIN: OnceLock<Begin> = OnceLock::new();
+/// Shows the stages of some work, and takes them away when dropped.
+pub trait Line: Debug + Send + Sync {
+    /// A stage begins, which ends the one before; `look` says how far it is, whenever that is to be shown.
+    fn enter(&self, look: Look);
+}
+
+/// Looks how far a stage is.
+pub type Look = Box<dyn Fn() -> Place + Send + Sync>;
+
+/// Begins to show the stages of some work by its name.
+pub type BeginLine = fn(what: &str) -> Box<dyn Line>;
+
+/// How far a stage is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Place {
+    /// Its name.
+    pub stage: &'static str,
+    /// Steps done, of any kind; they never fall.
+    pub done: u64,
+    /// Steps at which it ends.
+    pub end: End,
+}
+
+/// Steps at which a stage ends.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum End {
+    /// Nobody knows.
+    Unknown,
+    /// Here or earlier, with what it is then come `to`.
+    AtMost {
+        /// Steps.
+        steps: u64,
+        /// What is there then.
+        to: &'static str,
+    },
+    /// Just here.
+    Exactly(u64),
+}
+
+/// How a program shows progress.
+#[derive(Debug, Clone, Copy)]
+pub struct Show {
+    /// Work of steps that are counted.
+    pub steps: Begin,
+    /// Work in stages.
+    pub stages: BeginLine,
+}
+
+static SHOW: OnceLock<Show> = OnceLock::new();
 
 /// Says how progress is shown in this process from now on; the first call decides.
-pub fn show_with(begin: Begin) {
-    BEGIN.get_or_init(|| begin);
+pub fn show_with(show: Show) {
+    SHOW.get_or_init(|| show);
 }
 
 /// Counts steps done; may be shared between threads. What is shown ends when this is dropped.
@@ -33,7 +83,7 @@ pub struct Progress {
 impl Progress {
     /// Progress of `what`, of `steps` steps in all.
     pub fn new(what: &str, steps: u64) -> Self {
-        Self { shown: BEGIN.get().map(|begin| begin(what, steps)) }
+        Self { shown: SHOW.get().map(|show| (show.steps)(what, steps)) }
     }
 
     /// Says that `steps` more steps are done.
@@ -41,6 +91,61 @@ impl Progress {
         if let Some(shown) = &self.shown {
             shown.advance(steps);
         }
+    }
+}
+
+/// Work in stages of which only one is at a time. What is shown ends when this is dropped.
+#[derive(Debug)]
+pub struct Course {
+    /// None where nothing is shown: the program shows no progress, or this is one of many at the same time.
+    shown: Option<Box<dyn Line>>,
+}
+
+impl Course {
+    /// That nobody sees.
+    pub fn unseen() -> Self {
+        Self { shown: None }
+    }
+
+    /// Of `what`, shown as the program does.
+    pub fn begin(what: &str) -> Self {
+        Self { shown: SHOW.get().map(|show| (show.stages)(what)) }
+    }
+
+    /// Shown on a line of one's own.
+    pub fn on(line: impl Line + 'static) -> Self {
+        Self { shown: Some(Box::new(line)) }
+    }
+
+    /// A stage begins of which nothing is counted.
+    pub fn enter(&self, stage: &'static str) {
+        self.watch(move || Place { stage, done: 0, end: End::Unknown });
+    }
+
+    /// A stage begins that has so many steps.
+    pub fn count(&self, stage: &'static str, steps: u64) -> Count {
+        let count = Count::default();
+        let counted = count.clone();
+        self.watch(move || Place { stage, done: counted.0.load(Ordering::Relaxed), end: End::Exactly(steps) });
+        count
+    }
+
+    /// A stage begins that says by itself how far it is.
+    pub fn watch(&self, look: impl Fn() -> Place + Send + Sync + 'static) {
+        if let Some(shown) = &self.shown {
+            shown.enter(Box::new(look));
+        }
+    }
+}
+
+/// Counts the steps of a stage; any thread may advance it.
+#[derive(Debug, Clone, Default)]
+pub struct Count(Arc<AtomicU64>);
+
+impl Count {
+    /// One more step is done.
+    pub fn advance(&self) {
+        self.0.fetch_add(1, Ordering::Relaxed);
     }
 }
 

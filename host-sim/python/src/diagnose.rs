@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use lab::cli::diagnose::SEED;
 use lab::conclude::{self, OfFiles};
 use lab::output::{Input, Provenance, formats, sha256};
+use lab::progress::Course;
 use lab::report::html::{PlotData, page};
 use lab::report::{improved_machine, summary};
 use lab::{Error, propose};
@@ -119,7 +120,7 @@ fn diagnosed(asked: &Asked, recordings: &[Given], holdout: &[Given]) -> Result<D
         ..Provenance::without_inputs(Some(SEED))
     };
     let OfFiles { machine, recordings, holdout, diagnosis } =
-        conclude::of_recordings(machine, fitted, held_out, &vocabulary)?;
+        conclude::of_recordings(machine, fitted, held_out, &vocabulary, &Course::unseen())?;
     let answer = &diagnosis.answer;
     let text = std::fs::read_to_string(&asked.machine)
         .map_err(|error| Error::input(&asked.machine, None, "", error.to_string()))?;

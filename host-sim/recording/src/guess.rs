@@ -62,24 +62,33 @@ pub fn guess(table: &Table, known: Given<'_>) -> Result<(AxisKind, Vec<Guess>), 
     Ok((axis, guesses))
 }
 
+/// The unit that a flag gives, or else the name of its column.
+fn unit_given(flag: &MapFlag) -> Option<String> {
+    if flag.unit.is_empty() { units::told(&flag.name) } else { Some(flag.unit.clone()) }
+}
+
+/// The kind of axis: that of the position where a flag tells its unit, whatever the effort is called; else linear where any key or
+/// unit is.
 fn told_axis(table: &Table, flags: &[MapFlag]) -> AxisKind {
-    let linear_key = |flag: &MapFlag| Column::by_key(&flag.key, AxisKind::Rotary).is_none();
+    let quantity = |unit: String| units::measure(&unit).map(|measure| measure.quantity);
+    let position = flags.iter().find(|flag| flag.column == Column::Position);
+    match position.and_then(unit_given).and_then(quantity) {
+        Some(Quantity::Length) => return AxisKind::Linear,
+        Some(Quantity::Angle) => return AxisKind::Rotary,
+        _ => {}
+    }
+    let linear_key = |flag: &MapFlag| flag.key != flag.column.key(AxisKind::Rotary);
     let names = table.numbers.iter().filter_map(|(name, _)| units::told(name));
-    let mut units = flags.iter().map(|flag| flag.unit.clone()).chain(names);
-    let linear = |unit: String| {
-        let measure = units::measure(&unit);
-        measure.is_some_and(|measure| matches!(measure.quantity, Quantity::Length | Quantity::Force | Quantity::Speed))
-    };
-    if flags.iter().any(linear_key) || units.any(linear) { AxisKind::Linear } else { AxisKind::Rotary }
+    let units = flags.iter().map(|flag| flag.unit.clone()).chain(names);
+    let linear = |quantity| matches!(quantity, Quantity::Length | Quantity::Force | Quantity::Speed);
+    let is_linear = flags.iter().any(linear_key) || units.filter_map(quantity).any(linear);
+    if is_linear { AxisKind::Linear } else { AxisKind::Rotary }
 }
 
 /// A column that a flag gives.
 fn given(table: &Table, flag: &MapFlag, axis: AxisKind) -> Result<Guess, String> {
     let wrong = |message: String| format!("--map {}={}: {message}", flag.key, flag.name);
-    let Some(column) = Column::by_key(&flag.key, axis) else {
-        let keys = Column::ALL.map(|column| column.key(axis)).join(", ");
-        return Err(wrong(format!("a {} axis has no such column; it has {keys}", axis.name())));
-    };
+    let column = flag.column;
     let Some((name, values)) = table.column(&flag.name) else {
         if column == Column::Mode && table.others.contains(&flag.name) {
             let mapped = MappedColumn::new(column, axis, &flag.name, &flag.unit, flag.scale).map_err(wrong)?;
@@ -207,8 +216,25 @@ mod tests {
             error.starts_with("--map torque=d: the column is not in the log; it has the columns `t`, `pos`, `c`"),
             "{error}"
         );
-        let error = found(&["t", "pos", "c"], &["torque=c", "position=pos:mm"]).unwrap_err();
-        assert!(error.contains("a linear axis has no such column"), "{error}");
+    }
+
+    #[test]
+    fn an_effort_may_be_called_torque_or_force_on_any_axis() {
+        let linear = found(&["ts", "pos", "i"], &["position=pos:mm", "torque=i:A*0.12", "time=ts:us"]).unwrap();
+        let expected = [
+            r#"time = { name = "ts", unit = "us" }"#,
+            r#"position = { name = "pos", unit = "mm" }"#,
+            r#"force = { name = "i", unit = "A", scale = 0.12 }"#,
+        ];
+        assert_eq!(linear, expected);
+        let rotary =
+            found(&["t", "a", "i", "im"], &["position=a:deg", "force=i:A*2", "force_measured=im:A*2"]).unwrap();
+        assert_eq!(rotary[2], r#"torque = { name = "i", unit = "A", scale = 2.0 }"#);
+        assert_eq!(rotary[3], r#"torque_measured = { name = "im", unit = "A", scale = 2.0 }"#);
+        let unsaid = found(&["t", "pos", "f"], &["force=f"]).unwrap();
+        assert_eq!(unsaid[1], r#"position = { name = "pos", unit = "m" }"#, "nothing else tells the axis");
+        let error = found(&["t", "pos", "c"], &["position=pos:mm", "torque=c:N m"]).unwrap_err();
+        assert!(error.contains("`N m` is not a unit of `force` on a linear axis"), "{error}");
     }
 
     #[test]

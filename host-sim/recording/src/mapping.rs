@@ -7,7 +7,7 @@
 //! torque = { name = "iq", unit = "A", scale = -0.12 } # N m per A
 //! ```
 
-use super::nearest::{misspelt, quoted};
+use super::nearest::quoted;
 use super::toml_section::Section;
 use super::units::{self, Quantity};
 use super::vocabulary::Allowed;
@@ -85,11 +85,6 @@ impl Column {
             AxisKind::Rotary => rotary,
             AxisKind::Linear => linear,
         }
-    }
-
-    /// The column that a key of `[columns]` means on this axis.
-    pub fn by_key(key: &str, axis: AxisKind) -> Option<Self> {
-        Self::ALL.into_iter().find(|column| column.key(axis) == key)
     }
 
     /// What its numbers may measure in a log, the format's own first; empty for whole numbers and words.
@@ -283,64 +278,6 @@ fn required(axis: AxisKind) -> String {
     Column::REQUIRED.map(|column| format!("`{}`", column.key(axis))).join(", ")
 }
 
-/// A `--map` flag taken apart: `torque=i:A*0.12`.
-#[derive(Debug, Clone, PartialEq)]
-pub struct MapFlag {
-    /// Key of `[columns]`.
-    pub key: String,
-    /// Name in the log.
-    pub name: String,
-    /// Unit; empty where none is given.
-    pub unit: String,
-    /// Factor on top of the unit.
-    pub scale: Option<f64>,
-}
-
-impl std::str::FromStr for MapFlag {
-    type Err = String;
-
-    /// `KEY=NAME`, `KEY=NAME:UNIT`, `KEY=NAME:UNIT*SCALE`, `KEY=NAME:*SCALE`; a name may hold colons where a unit follows.
-    fn from_str(text: &str) -> Result<Self, String> {
-        let form = "must be KEY=NAME, KEY=NAME:UNIT or KEY=NAME:UNIT*SCALE, such as torque=i:A*0.12";
-        let (key, rest) = text.split_once('=').ok_or_else(|| form.to_owned())?;
-        let (key, rest) = (key.trim(), rest.trim());
-        let both = AxisKind::ALL.map(|axis| Column::by_key(key, axis));
-        if both == [None, None] {
-            let keys: Vec<&str> =
-                Column::ALL.iter().flat_map(|column| AxisKind::ALL.map(|axis| column.key(axis))).collect();
-            let near = misspelt(key, keys.iter().copied());
-            let mut known: Vec<&str> = Vec::new();
-            keys.iter().for_each(|key| {
-                if !known.contains(key) {
-                    known.push(key)
-                }
-            });
-            let hint =
-                near.map_or_else(|| format!("known are {}", known.join(", ")), |near| format!("is `{near}` meant?"));
-            return Err(format!("{} is not a column of a recording; {hint}", quoted(key)));
-        }
-        let (name, unit, scale) = match rest.rsplit_once(':') {
-            None => (rest, "", None),
-            Some((name, after)) => {
-                let (unit, scale) = after.split_once('*').map_or((after, None), |(unit, scale)| (unit, Some(scale)));
-                (name, unit, scale)
-            }
-        };
-        if name.trim().is_empty() {
-            return Err(format!("no name of a column; {form}"));
-        }
-        let scale = scale.map(|scale| {
-            scale.trim().parse::<f64>().map_err(|_| format!("scale {} is not a number; {form}", quoted(scale)))
-        });
-        Ok(Self {
-            key: key.to_owned(),
-            name: name.trim().to_owned(),
-            unit: unit.trim().to_owned(),
-            scale: scale.transpose()?,
-        })
-    }
-}
-
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
@@ -356,6 +293,9 @@ mod tests {
         for (column, axis, unit, scale, expected) in [
             (Column::Time, Rotary, "us", None, 1e-6),
             (Column::Time, Rotary, "ns", None, 1e-9),
+            (Column::Time, Linear, "ms", None, 1e-3),
+            (Column::Position, Rotary, "rev", None, std::f64::consts::TAU),
+            (Column::Position, Linear, "mm", None, 1e-3),
             (Column::Position, Rotary, "deg", None, 1f64.to_radians()),
             (Column::Position, Rotary, "mrad", None, 1e-3),
             (Column::Position, Rotary, "counts(8192)", None, std::f64::consts::TAU / 8192.0),
@@ -400,22 +340,5 @@ mod tests {
         assert!(factor(Column::Position, AxisKind::Rotary, "parsec", None).unwrap_err().contains("is not a unit"));
         assert!(factor(Column::Position, AxisKind::Rotary, "rad", Some(0.0)).unwrap_err().contains("other than 0"));
         assert!(factor(Column::Mode, AxisKind::Rotary, "rad", None).unwrap_err().contains("neither unit nor scale"));
-    }
-
-    #[test]
-    fn flags_are_taken_apart() {
-        let parsed = |text: &str| text.parse::<MapFlag>().map(|flag| (flag.key, flag.name, flag.unit, flag.scale));
-        let of =
-            |key: &str, name: &str, unit: &str, scale| Ok((key.to_owned(), name.to_owned(), unit.to_owned(), scale));
-        assert_eq!(parsed("position=pos:mm"), of("position", "pos", "mm", None));
-        assert_eq!(parsed("torque=i:A*0.12"), of("torque", "i", "A", Some(0.12)));
-        assert_eq!(parsed("force=u"), of("force", "u", "", None));
-        assert_eq!(
-            parsed("position=/js:enc.a:counts(8192)*-1"),
-            of("position", "/js:enc.a", "counts(8192)", Some(-1.0))
-        );
-        assert!(parsed("positon=pos").unwrap_err().contains("is `position` meant?"));
-        assert!(parsed("position").unwrap_err().starts_with("must be KEY=NAME"));
-        assert!(parsed("torque=i:A*x").unwrap_err().starts_with("scale `x` is not a number"));
     }
 }

@@ -4,9 +4,10 @@ use std::path::PathBuf;
 
 use super::Overwrite;
 use crate::Error;
-use crate::delays::{Request, answer, figure};
+use crate::delays::{Request, answer_on, figure};
 use crate::output::{self, Provenance, formats};
 use crate::precheck::{self, Purpose};
+use crate::progress::Course;
 use crate::read::{Machine, Recording};
 
 /// Flags of `delays`.
@@ -42,13 +43,16 @@ pub fn run(args: &Args) -> Result<(), Error> {
     let json = args.json.as_ref().map(|file| files.writes(file));
     let plot = args.plot.as_ref().map(|file| files.writes(file));
     let mut outputs = files.check()?;
+    let course = Course::begin("delays");
+    course.enter("reading");
     let machine = Machine::read(&args.machine)?;
     let read = |files: &[PathBuf]| -> Result<Vec<Recording>, Error> {
         files.iter().map(|file| Recording::of(file, &machine)).collect()
     };
     let (recordings, holdout) = (read(&args.recordings)?, read(&args.holdout)?);
     let warnings = precheck::warnings(&machine, &recordings, &holdout, Purpose::Diagnose)?;
-    let answer = answer(&Request { machine: &machine, recordings: &recordings, holdout: &holdout })?;
+    let answer = answer_on(&Request { machine: &machine, recordings: &recordings, holdout: &holdout }, &course)?;
+    drop(course);
     if let Some(json) = json {
         let text = formats::json(&answer, &Provenance::of(&outputs, None)?)?;
         output::text(&mut outputs, json, &text)?;

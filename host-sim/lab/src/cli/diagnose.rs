@@ -7,6 +7,7 @@ use super::Overwrite;
 use crate::Error;
 use crate::conclude::{self, OfFiles};
 use crate::output::{self, Output, Outputs, Provenance, formats};
+use crate::progress::Course;
 use crate::propose;
 use crate::report::html::{PlotData, page};
 use crate::report::{self, Answer, Verdict};
@@ -75,7 +76,7 @@ pub fn run(args: &Args, verbose: bool) -> Result<ExitCode, Error> {
     super::use_threads(args.jobs)?;
     let vocabulary = conclude::vocabulary(&args.only, &args.without)?;
     let OfFiles { machine, recordings, holdout, mut diagnosis } =
-        conclude::of_files(&args.machine, &args.recordings, &args.holdout, &vocabulary)?;
+        conclude::of_files(&args.machine, &args.recordings, &args.holdout, &vocabulary, &Course::begin("diagnosis"))?;
     if args.stages || verbose {
         diagnosis.stages.taken().iter().for_each(|(stage, took)| eprintln!("{stage:24} {:7.3} s", took.as_secs_f64()));
     }

@@ -2,6 +2,7 @@
 
 mod log;
 mod machine;
+mod shows;
 
 use std::path::PathBuf;
 
@@ -11,8 +12,8 @@ use crate::{Error, output};
 /// Flags of `doctor`.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// Logs to look at: rate, jitter, gaps, delay between torque and motion, saturation; without one, the tools and rights of
-    /// this computer.
+    /// Logs to look at: rate, jitter, gaps, delay between torque and motion, saturation, and which effects their motion shows;
+    /// without one, the tools and rights of this computer.
     #[arg(value_name = "LOG")]
     logs: Vec<PathBuf>,
     /// Machine file whose section `columns` says what the columns are; without it, they are guessed as init does.

@@ -14,6 +14,7 @@ use er_servo::experiment::{Experiment, Shape};
 use crate::Error;
 use crate::conclude::{self, Request};
 use crate::identify::{Event, Identified, Plan, Told, applied, identify, machine};
+use crate::progress::Course;
 use crate::read::{EffectEntry, Machine, Recording};
 use crate::report::{Answer, Verdict};
 use crate::session::Session;
@@ -160,7 +161,7 @@ fn left_out(session: &Session, machine: &Machine, identified: &Identified, step:
     let diagnosed = session.computed(move || {
         let (recordings, holdout) = (&recordings[..], &holdout[..]);
         let request = Request { machine: &machine, recordings, holdout, vocabulary: &VOCABULARY };
-        conclude::diagnose(&request).map(|diagnosis| diagnosis.answer)
+        conclude::diagnose_on(&request, &Course::begin("diagnosis")).map(|diagnosis| diagnosis.answer)
     });
     diagnosed?
 }

@@ -14,6 +14,7 @@ use diagnosis::pipeline::{Conclusion, diagnose_as_read};
 use diagnosis::problem::Problem;
 use diagnosis::recorded::Recorded;
 use diagnosis::verdict::Verdict as Judged;
+use diagnosis::work::WORK;
 
 use self::controller::mismatch;
 pub use self::files::{OfFiles, of_files, of_recordings};
@@ -22,7 +23,7 @@ use self::stretches::stretches;
 pub use self::whitened::Whitened;
 use crate::Error;
 use crate::asked::{likelier, recorded};
-use crate::progress::Stages;
+use crate::progress::{Course, End, Place, Stages};
 use crate::propose::{self, Limits, Proposal};
 use crate::read::vocabulary::CONTROLLER;
 use crate::read::{Axis, AxisKind, Machine, Recording, nearest, position_step};
@@ -90,6 +91,15 @@ pub fn vocabulary(only: &[String], without: &[String]) -> Result<Vec<&'static Ef
 /// # Errors
 /// Recordings too short to say anything, a machine that cannot be simulated.
 pub fn diagnose(request: &Request<'_>) -> Result<Diagnosis, Error> {
+    diagnose_on(request, &Course::unseen())
+}
+
+/// The same, which shows how far it is.
+///
+/// # Errors
+/// As [`diagnose`].
+pub fn diagnose_on(request: &Request<'_>, course: &Course) -> Result<Diagnosis, Error> {
+    course.enter("preparing");
     let files: Vec<&Recording> = request.recordings.iter().chain(request.holdout).collect();
     if let Some(short) = files.iter().find(|file| file.rows() < FEWEST_ROWS) {
         let rows = short.rows();
@@ -107,10 +117,12 @@ pub fn diagnose(request: &Request<'_>) -> Result<Diagnosis, Error> {
     let machine = with_steps_of(request.machine, &files, &mut notes);
     let problem = problem(&machine, request, &files, &mut notes);
     stages.done("prepare");
+    course.watch(searching(&problem));
     let (problem, conclusion) = diagnose_as_read(problem, request.vocabulary).ok_or_else(|| {
         Error::Usage(format!("{}: the nominal machine cannot be followed along these recordings", names.join(", ")))
     })?;
     stages.done("search, refit and confidence set");
+    course.enter("answer");
     let mut answer = answer::answer(&problem, &conclusion, machine.axis.kind);
     if let Some(lost) = lost.filter(|_| problem.motions.is_empty()) {
         notes.push(lost.note());
@@ -127,24 +139,38 @@ pub fn diagnose(request: &Request<'_>) -> Result<Diagnosis, Error> {
     stages.done("answer");
     // What another log of the same motion would show needs no other motion.
     let ambiguous = conclusion.verdict == Judged::Ambiguous;
-    let proposal = if ambiguous { proposal(&machine, request, &problem, &conclusion) } else { None };
+    let proposal = if ambiguous { proposal(&machine, request, &problem, &conclusion, course) } else { None };
     answer.experiment = proposal.as_ref().map(Proposal::experiment);
     answer.warnings.extend(answer::warnings(&problem, &conclusion, answer.experiment.is_some()));
     stages.done("propose");
+    course.enter("what is left");
     let improved = conclusion.best.assessed.refitted.hypothesis.physics(&problem.nominal);
     let whitened = whitened::all(&problem, &conclusion);
     Ok(Diagnosis { answer, improved, nominal: problem.nominal, whitened, proposal, stages })
+}
+
+/// How far the search and the estimate are: a diagnosis seldom takes all the work that it may.
+fn searching(problem: &Problem) -> impl Fn() -> Place + Send + Sync + 'static {
+    let tally = problem.tally().clone();
+    let end = End::AtMost { steps: tally.done() + WORK, to: "the verdict" };
+    move || Place { stage: if tally.is_estimating() { "estimate" } else { "search" }, done: tally.done(), end }
 }
 
 /// Rivals at most that an experiment is chosen for; every one of them costs time.
 const RIVALS: usize = 4;
 
 /// The recording that tells the hypotheses of the set apart.
-fn proposal(machine: &Machine, request: &Request<'_>, problem: &Problem, conclusion: &Conclusion) -> Option<Proposal> {
+fn proposal(
+    machine: &Machine,
+    request: &Request<'_>,
+    problem: &Problem,
+    conclusion: &Conclusion,
+    course: &Course,
+) -> Option<Proposal> {
     let rivals = conclusion.in_the_set.get(..RIVALS).unwrap_or(&conclusion.in_the_set);
     let noise = *conclusion.best.assessed.refitted.noise.first()?;
     let (limits, as_commands) = (Limits::of(machine, request.recordings), problem.motions.is_empty());
-    propose::best(&propose::Request { machine, rivals, limits, noise, as_commands })
+    propose::best_on(&propose::Request { machine, rivals, limits, noise, as_commands }, course)
 }
 
 /// The machine with the step that its recordings show, where that is clearly coarser than the file says.

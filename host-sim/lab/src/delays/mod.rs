@@ -18,6 +18,7 @@ use serde::Serialize;
 
 use crate::Error;
 use crate::asked::recorded;
+use crate::progress::Course;
 use crate::read::vocabulary;
 use crate::read::{AxisKind, Machine, Recording};
 
@@ -107,10 +108,20 @@ pub struct Drawn {
 /// # Errors
 /// A machine without a damper or on a linear axis, recordings that never drive the field or that nothing can be computed from.
 pub fn answer(request: &Request<'_>) -> Result<Answer, Error> {
+    answer_on(request, &Course::unseen())
+}
+
+/// The same, which shows how far it is.
+///
+/// # Errors
+/// As [`answer`].
+pub fn answer_on(request: &Request<'_>, course: &Course) -> Result<Answer, Error> {
+    course.enter("preparing");
     let machine = request.machine;
     let problem = problem(request)?;
     let contenders = contenders::all();
-    let ranked = rank(&problem, &contenders);
+    let count = course.count("models of delay", contenders.len() as u64);
+    let ranked = rank(&problem, &contenders, || count.advance());
     if ranked.is_empty() {
         return Err(Error::Usage("the nominal machine cannot be followed along these recordings".to_owned()));
     }
@@ -118,7 +129,7 @@ pub fn answer(request: &Request<'_>) -> Result<Answer, Error> {
     let (mut plans, mut apart) = (Vec::new(), Vec::new());
     if left.len() > 1 {
         let simulated = Simulated::new(machine, &problem, &ranked[0].step.assessed.refitted.noise, left);
-        plans = simulated.plans()?;
+        plans = simulated.plans(course)?;
         if let Some(best) = plans.first() {
             apart = simulated.apart(best)?;
         }

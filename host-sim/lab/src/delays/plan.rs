@@ -13,6 +13,7 @@ use super::contenders::special_cases;
 use super::standing::Standing;
 use crate::Error;
 use crate::asked::recorded;
+use crate::progress::Course;
 use crate::read::Machine;
 use crate::simulate::{Reference, Row, Setup, period_s, record, run};
 
@@ -87,13 +88,19 @@ impl<'a> Simulated<'a> {
         Self { machine, nominal: &problem.nominal, noise: Noise::white(sensor_sd, density), left }
     }
 
-    /// Every experiment with what it would bring, best first: those that separate, then by the difference.
+    /// Every experiment with what it would bring, best first: those that separate, then by the difference. It shows how far it is.
     ///
     /// # Errors
     /// A law or a plant that does not take the machine's values.
-    pub fn plans(&self) -> Result<Vec<Plan>, Error> {
-        let weigh = |(name, flags, experiment)| self.plan(name, flags, experiment);
-        let mut plans: Vec<Plan> = experiments().into_par_iter().map(weigh).collect::<Result<_, _>>()?;
+    pub fn plans(&self, course: &Course) -> Result<Vec<Plan>, Error> {
+        let experiments = experiments();
+        let count = course.count("what to record next", experiments.len() as u64);
+        let weigh = |(name, flags, experiment)| {
+            let plan = self.plan(name, flags, experiment);
+            count.advance();
+            plan
+        };
+        let mut plans: Vec<Plan> = experiments.into_par_iter().map(weigh).collect::<Result<_, _>>()?;
         plans.sort_by(|a, b| b.separates.cmp(&a.separates).then(b.difference.total_cmp(&a.difference)));
         Ok(plans)
     }
@@ -102,7 +109,7 @@ impl<'a> Simulated<'a> {
         let mut plan = Plan { name, flags, difference: f64::INFINITY, pair: ("", ""), separates: true, experiment };
         for (at, truth) in self.left.iter().enumerate() {
             let problem = self.problem(&self.rows(at, &experiment)?);
-            let ranked = rank(&problem, &self.left);
+            let ranked = rank(&problem, &self.left, || ());
             let total = |name: &str| ranked.iter().find(|one| one.name == name).map(|one| one.step.assessed.total());
             let own = total(truth.name).unwrap_or(f64::NEG_INFINITY);
             // A model that the truth is a special case of is as likely, and simply has more than is needed.

@@ -12,7 +12,7 @@ use rayon::prelude::*;
 
 use crate::Error;
 use crate::conclude;
-use crate::progress::Progress;
+use crate::progress::{Course, Progress};
 use crate::report::Answer;
 
 pub use manifest::Task;
@@ -63,7 +63,7 @@ fn one(task: &Task) -> Row {
 
 fn answer(task: &Task) -> Result<Answer, Error> {
     let [recordings, holdout] = task.recording_files();
-    Ok(conclude::of_files(&task.machine_file(), &recordings, &holdout, &VOCABULARY)?.diagnosis.answer)
+    Ok(conclude::of_files(&task.machine_file(), &recordings, &holdout, &VOCABULARY, &Course::unseen())?.diagnosis.answer)
 }
 
 #[cfg(test)]

@@ -4,9 +4,11 @@
 //! All of it is predicted from the models with the noise of [`Guide`]; only `prove` measures what `diagnose` finds.
 
 mod figure;
+mod shown;
 mod sizes;
 mod table;
 
+pub use shown::{Shown, shown};
 pub use table::markdown;
 
 use diagnosis::effects::find;

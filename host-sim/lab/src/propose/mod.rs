@@ -24,6 +24,7 @@ pub use limits::Limits;
 pub use menu::Item;
 pub use write::reference_csv;
 
+use crate::progress::Course;
 use crate::read::{AxisKind, Machine};
 use crate::report::Experiment;
 use drive::Motion;
@@ -142,12 +143,23 @@ fn instead(rivals: &[Hypothesis]) -> String {
 /// The reference of the menu that tells the rivals apart best; without one, where no reference tells anything, what would
 /// instead. None for fewer than two rivals, or where no reference can be run within the limits.
 pub fn best(request: &Request<'_>) -> Option<Proposal> {
+    best_on(request, &Course::unseen())
+}
+
+/// The same, which shows how far it is.
+pub fn best_on(request: &Request<'_>, course: &Course) -> Option<Proposal> {
     if request.rivals.len() < 2 {
         return None;
     }
     let planner = Planner::new(request);
     let items = menu(&planner.scale());
-    let mut offers: Vec<Offer> = items.par_iter().filter_map(|item| planner.judge(item)).collect();
+    let count = course.count("what to record next", items.len() as u64);
+    let judged = |item: &Item| {
+        let offer = planner.judge(item);
+        count.advance();
+        offer
+    };
+    let mut offers: Vec<Offer> = items.par_iter().filter_map(judged).collect();
     // A stable sort keeps the order of the menu among equals.
     offers.sort_by(|a, b| b.distance().total_cmp(&a.distance()));
     let first = offers.first()?;

@@ -7,9 +7,10 @@ use er_servo::experiment::{Experiment, Shape};
 use plant::{Er, Model};
 
 use super::Overwrite;
-use crate::conclude::{Request, diagnose};
+use crate::conclude::{Request, diagnose_on};
 use crate::output::{self, Output, Outputs, Provenance, formats};
 use crate::plot::{Figure, Mark, Panel, Series};
+use crate::progress::Course;
 use crate::read::{Machine, Recording};
 use crate::report::compare::Comparison;
 use crate::report::html::{PlotData, page};
@@ -132,7 +133,8 @@ fn diagnosed(
     nominal: &Comparison<'_>,
 ) -> Result<(), Error> {
     let (recordings, holdout) = recorded.split_at(2);
-    let diagnosis = diagnose(&Request { machine, recordings, holdout, vocabulary: &VOCABULARY })?;
+    let request = Request { machine, recordings, holdout, vocabulary: &VOCABULARY };
+    let diagnosis = diagnose_on(&request, &Course::begin("diagnosis"))?;
     output::print(&indented(&report::summary(&diagnosis.answer)))?;
     let plot = PlotData::new(&diagnosis, recordings, holdout)?;
     let made = Provenance::of(&written.outputs, Some(SEED))?;

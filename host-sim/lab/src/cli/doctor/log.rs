@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use super::shows::shows;
 use super::{Check, State};
 use crate::Error;
 use crate::cli::effort_units::EffortUnits;
@@ -53,7 +54,8 @@ pub(super) fn checks(file: &Path, machine: Option<&Machine>, given: Given<'_>) -
     checks.push(saturation(&recording, &units));
     let model = first_model(&axis, std::slice::from_ref(&recording));
     checks.push(balance(model.as_ref(), &units));
-    checks.extend(model.map(|model| skew(&recording, &axis, &model, period_s)));
+    checks.extend(model.as_ref().map(|model| skew(&recording, &axis, model, period_s)));
+    checks.extend(shows(&recording, &axis, machine, model.as_ref()));
     Ok(checks)
 }
 

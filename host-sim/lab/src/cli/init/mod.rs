@@ -92,7 +92,7 @@ fn find(args: &Args) -> Result<Findings<'_>, Error> {
     let steps = recordings.iter().filter_map(|recording| position_step(&recording.position));
     axis.resolution = steps.reduce(f64::min).unwrap_or(0.0);
     let model = first_model(&axis, &recordings);
-    if model.as_ref().is_some_and(|model| model.reversed) && !given(args, Column::EffortCmd, kind) {
+    if model.as_ref().is_some_and(|model| model.reversed) && !given(args, Column::EffortCmd) {
         for guess in guesses.iter_mut().filter(|guess| guess.mapped.column == Column::EffortCmd) {
             guess.mapped = guess.mapped.clone().reversed();
             guess.because += "; sign turned: it pushed against the acceleration";
@@ -106,8 +106,8 @@ fn find(args: &Args) -> Result<Findings<'_>, Error> {
 }
 
 /// Whether a flag gives the column, which is then left as it is.
-fn given(args: &Args, column: Column, axis: AxisKind) -> bool {
-    args.map.iter().any(|flag| flag.key == column.key(axis))
+fn given(args: &Args, column: Column) -> bool {
+    args.map.iter().any(|flag| flag.column == column)
 }
 
 /// Says of positions and references that wrap that they do; whether there are any.

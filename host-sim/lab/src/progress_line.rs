@@ -1,0 +1,118 @@
+//! Progress of work in stages, of which often only a bound is known: one line, on a terminal only, from its first moment.
+
+use std::fmt::Write;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
+use progress::{End, Line, Look, Place};
+
+/// Time between two looks: a line that moves without flickering.
+const TICK: Duration = Duration::from_millis(200);
+/// A stage that is shorter has no speed to be told yet.
+const SPEED_KNOWN_S: f64 = 1.0;
+
+/// A line on a terminal, wiped when this is dropped.
+#[derive(Debug)]
+pub(crate) struct StageLine {
+    bar: ProgressBar,
+    stage: Arc<Mutex<Option<Stage>>>,
+}
+
+/// The stage that is shown.
+struct Stage {
+    look: Look,
+    since: Instant,
+    /// Steps that were done when it began.
+    from: u64,
+}
+
+impl std::fmt::Debug for Stage {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Stage").field("place", &(self.look)()).finish_non_exhaustive()
+    }
+}
+
+impl StageLine {
+    /// The line of `what`, which begins now.
+    pub(crate) fn new(what: &str, target: ProgressDrawTarget) -> Self {
+        let stage = Arc::new(Mutex::new(None::<Stage>));
+        let (begun, shown, what) = (Instant::now(), Arc::clone(&stage), what.to_owned());
+        let line = move |_: &ProgressState, out: &mut dyn Write| {
+            let shown = shown.lock().unwrap_or_else(PoisonError::into_inner);
+            let how_far = shown.as_ref().map_or_else(String::new, |stage| stage.text(begun.elapsed()));
+            // A line that cannot be written is one that nobody reads.
+            let _ = write!(out, "{what}{how_far}");
+        };
+        let bar = ProgressBar::with_draw_target(None, target);
+        if let Ok(style) = ProgressStyle::with_template("{spinner} {line}") {
+            bar.set_style(style.with_key("line", line));
+        }
+        bar.enable_steady_tick(TICK);
+        Self { bar, stage }
+    }
+}
+
+impl Line for StageLine {
+    fn enter(&self, look: Look) {
+        let from = look().done;
+        *self.stage.lock().unwrap_or_else(PoisonError::into_inner) = Some(Stage { look, since: Instant::now(), from });
+        self.bar.tick();
+    }
+}
+
+impl Drop for StageLine {
+    fn drop(&mut self) {
+        self.bar.finish_and_clear();
+    }
+}
+
+impl Stage {
+    fn text(&self, gone: Duration) -> String {
+        text(&(self.look)(), self.from, self.since.elapsed().as_secs_f64(), gone.as_secs())
+    }
+}
+
+/// How far a stage is that began `in_stage_s` ago at `from` steps, `gone_s` after the work began.
+fn text(place: &Place, from: u64, in_stage_s: f64, gone_s: u64) -> String {
+    let left_s = |end: u64| {
+        let done = place.done.saturating_sub(from);
+        let known = done > 0 && in_stage_s >= SPEED_KNOWN_S;
+        known.then(|| (end.saturating_sub(place.done) as f64 * in_stage_s / done as f64).ceil())
+    };
+    let left = match place.end {
+        End::Unknown => String::new(),
+        // It has taken more than it may and ends with what it has begun.
+        End::AtMost { steps, to } if place.done >= steps => format!(", about to come to {to}"),
+        End::AtMost { steps, to } => {
+            left_s(steps).map_or_else(String::new, |left_s| format!(", at most {left_s} s to {to}"))
+        }
+        End::Exactly(steps) => {
+            let left = left_s(steps).map_or_else(String::new, |left_s| format!(", about {left_s} s left"));
+            return format!(": {}, {} of {steps}, {gone_s} s gone{left}", place.stage, place.done);
+        }
+    };
+    format!(": {}, {gone_s} s gone{left}", place.stage)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn place(done: u64, end: End) -> Place {
+        Place { stage: "search", done, end }
+    }
+
+    #[test]
+    fn the_time_left_is_told_once_a_speed_is_known_and_as_a_bound_where_it_is_one() {
+        let at_most = End::AtMost { steps: 400, to: "the verdict" };
+        assert_eq!(text(&place(7, End::Unknown), 0, 9.0, 9), ": search, 9 s gone");
+        assert_eq!(text(&place(3, at_most), 0, 0.5, 2), ": search, 2 s gone");
+        assert_eq!(text(&place(0, at_most), 0, 5.0, 7), ": search, 7 s gone");
+        // A hundred in ten seconds: of the rest of two hundred, as many were there before.
+        assert_eq!(text(&place(200, at_most), 100, 10.0, 12), ": search, 12 s gone, at most 20 s to the verdict");
+        assert_eq!(text(&place(401, at_most), 0, 10.0, 12), ": search, 12 s gone, about to come to the verdict");
+        assert_eq!(text(&place(3, End::Exactly(9)), 0, 6.0, 8), ": search, 3 of 9, 8 s gone, about 12 s left");
+        assert_eq!(text(&place(0, End::Exactly(9)), 0, 6.0, 8), ": search, 0 of 9, 8 s gone");
+    }
+}
