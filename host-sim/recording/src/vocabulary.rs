@@ -169,6 +169,8 @@ const RESONANCE: Parameter = same("resonance_hz", "Hz", Allowed::AboveZero);
 const DAMPING_RATIO: Parameter = same("damping_ratio", "1", Allowed::AtLeastZero);
 /// Share of the stored heat that is given off in a second.
 const COOLING: Parameter = same("cooling_per_s", "1/s", Allowed::AtLeastZero);
+/// Powers of the field: beyond 2 nothing known of such fluids goes.
+const EXPONENTS: Allowed = Allowed::Between(0.0, 2.0);
 /// Load over motor.
 const INERTIA_RATIO: Parameter = same("inertia_ratio", "1", Allowed::AboveZero);
 
@@ -263,6 +265,8 @@ pub const EFFECTS: &[EffectKind] = &[
         parameters: &[same("gain_amplitude", "1", Allowed::Between(0.0, 0.9)), ORDER, PHASE],
         occurs: Occurs::Repeatedly,
     },
+    once("temperature_yield", &[same("yield_per_j", "1/J", Allowed::AtLeastZero), COOLING]),
+    once("field_kinetics", &[same("rise_exponent", "1", EXPONENTS), same("fall_exponent", "1", EXPONENTS)]),
 ];
 
 #[cfg(test)]

@@ -14,6 +14,7 @@ mod er_preyield;
 mod er_strength;
 mod field_dead_time;
 mod field_gain;
+mod field_kinetics;
 mod field_lag;
 mod field_lag_asymmetry;
 mod field_slew_limit;
@@ -30,6 +31,7 @@ mod sensor_latency;
 mod spring_load;
 mod stribeck_friction;
 mod temperature_viscosity;
+mod temperature_yield;
 mod torque_deadband;
 mod torque_delay;
 mod torque_filter;
@@ -121,6 +123,8 @@ pub struct Excitation {
     pub travel: f64,
     /// Largest commanded field, kV/mm; 0 without a field column.
     pub field_peak: f64,
+    /// Smallest commanded field above 0, kV/mm; 0 without one.
+    pub field_least: f64,
     /// Step of the position sensor, rad (m); 0 for a continuous one.
     pub step: f64,
     /// Longest recording, s.
@@ -329,7 +333,7 @@ pub(crate) fn amplitude_order_phase(values: &[f64]) -> Vec<f64> {
 }
 
 /// The whole vocabulary, in the order of the specification; `controller` is not fitted but replayed.
-pub static VOCABULARY: [&Effect; 38] = [
+pub static VOCABULARY: [&Effect; 40] = [
     &channel_skew::EFFECT,
     &torque_filter::EFFECT,
     &field_dead_time::EFFECT,
@@ -368,6 +372,8 @@ pub static VOCABULARY: [&Effect; 38] = [
     &load_dependent_friction::EFFECT,
     &temperature_viscosity::EFFECT,
     &torque_ripple::EFFECT,
+    &temperature_yield::EFFECT,
+    &field_kinetics::EFFECT,
 ];
 
 /// The effect of that identifier.

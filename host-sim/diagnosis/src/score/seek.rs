@@ -36,8 +36,16 @@ pub(crate) fn seek(problem: &Problem, path: &Kept) -> Excitation {
     excitation.pulses = pushes(&missing, problem.motions.first().map_or(0.0, Motion::support_s));
     excitation.glitch = glitch(path);
     let rows = missing.iter().map(|one| one.torque.len()).max().unwrap_or(0) as f64;
+    excitation.field_least = field_least(problem);
     excitation.looked_at = [HIGHEST_ORDER as f64, rows, rows * PUSHES_S.len() as f64];
     excitation
+}
+
+/// Smallest field above 0 that is commanded where a hypothesis is fitted, kV/mm; 0 where there is none.
+fn field_least(problem: &Problem) -> f64 {
+    let commands = problem.recordings[..problem.fitted].iter().flat_map(|recorded| &recorded.commands);
+    let least = commands.map(|command| command.field_kv_mm).filter(|&field| field > 0.0).reduce(f64::min);
+    least.unwrap_or(0.0)
 }
 
 fn of_recording<'a>(problem: &'a Problem, path: &Kept, index: usize, kept: &'a KeptRecording) -> Missing<'a> {

@@ -15,6 +15,8 @@ pub const STEP_RAD: f64 = 1.28e-5;
 pub struct Making {
     /// Commanded torque, N m, over time, s, and phase, rad.
     pub torque: fn(f64, f64) -> f64,
+    /// Commanded field, kV/mm, over the same.
+    pub field: fn(f64, f64) -> f64,
     /// Its length, s.
     pub seconds: f64,
     /// Torque noise, N m.
@@ -30,6 +32,7 @@ pub struct Making {
 /// Four seconds at rest, with the servo's sensor and a little noise; a test overrides what it is about.
 pub const PLAIN: Making = Making {
     torque: |_, _| 0.0,
+    field: |_, _| 0.0,
     seconds: 4.0,
     noise_nm: 0.02,
     step_rad: STEP_RAD,
@@ -39,7 +42,7 @@ pub const PLAIN: Making = Making {
 
 /// A recording of a machine; the seed is the phase of its torque too.
 pub fn recording(model: &Model, making: Making, seed: u64) -> Recorded {
-    let Making { torque, seconds, noise_nm, step_rad, coloured: (coloured_nm, memory_s), beside } = making;
+    let Making { torque, field, seconds, noise_nm, step_rad, coloured: (coloured_nm, memory_s), beside } = making;
     let mut plant = Plant::new(model, State::default(), 0.0).unwrap();
     let sampler = SamplerConfig { resolution: step_rad, noise_sd: 0.3 * step_rad, ..SamplerConfig::default() };
     let mut sampler = Sampler::new(sampler, seed).unwrap();
@@ -51,7 +54,7 @@ pub fn recording(model: &Model, making: Making, seed: u64) -> Recorded {
     let (mut t_s, mut position, mut commands) = (Vec::new(), Vec::new(), Vec::new());
     for row in 0..rows {
         let at_s = row as f64 * PERIOD_S;
-        let command = Command::new(torque(at_s, seed as f64), 0.0);
+        let command = Command::new(torque(at_s, seed as f64), field(at_s, seed as f64));
         t_s.push(at_s);
         position.push(sampler.measure(plant.state().position));
         commands.push(command);

@@ -124,7 +124,11 @@ fn with_fluid(mut er: Er, fluid: &ErFluid) -> Result<Er, String> {
     let FluidResponse::Field(field) = &mut er.response else {
         return Err("follows a field; it does not go with --fluid q, which delays a viscosity".to_owned());
     };
-    field.kinetics = Kinetics { rise_exponent: fluid.rise_exponent, fall_exponent: fluid.fall_exponent };
+    let kinetics = Kinetics { rise_exponent: fluid.rise_exponent, fall_exponent: fluid.fall_exponent };
+    // An effect `field_kinetics` stands where the section says nothing of it.
+    if kinetics != Kinetics::default() {
+        field.kinetics = kinetics;
+    }
     if fluid.consistency > 0.0 || fluid.consistency_per_kv_mm > 0.0 {
         field.flow = Some(FlowCurve {
             consistency: fluid.consistency,
