@@ -95,7 +95,7 @@ fn parameters_come_back_from_a_file() {
     assert_eq!(there("get"), changed);
 
     for (file, text, message) in [
-        ("typo.toml", "hold = true\nkp_nm_rd = 1\n", "typo.toml: line 2: kp_nm_rd"),
+        ("typo.toml", "hold = true\nkp_nm_rd = 1\n", "typo.toml:2: kp_nm_rd: unknown key"),
         ("wide.toml", "torque_limit_nm = 31\n", "torque_limit_nm: 31 N m is not allowed, 0 to 30 is"),
         ("other.toml", "period_s = 0.001\n", "period_s: built into the image, only 0.0005 is allowed"),
         ("lawless.toml", "schema = 1\n", "section [controller] is missing"),
