@@ -10,7 +10,9 @@ use progress::{End, Line, Look, Place};
 /// Time between two looks: a line that moves without flickering.
 const TICK: Duration = Duration::from_millis(200);
 /// A stage that is shorter has no speed to be told yet.
-const SPEED_KNOWN_S: f64 = 1.0;
+const SPEED_KNOWN_S: f64 = 2.0;
+/// Above this, seconds are told as minutes.
+const MINUTES_FROM_S: f64 = 120.0;
 
 /// A line on a terminal, wiped when this is dropped.
 #[derive(Debug)]
@@ -75,20 +77,24 @@ impl Stage {
 
 /// How far a stage is that began `in_stage_s` ago at `from` steps, `gone_s` after the work began.
 fn text(place: &Place, from: u64, in_stage_s: f64, gone_s: u64) -> String {
-    let left_s = |end: u64| {
+    let left_of = |end: u64| {
         let done = place.done.saturating_sub(from);
         let known = done > 0 && in_stage_s >= SPEED_KNOWN_S;
-        known.then(|| (end.saturating_sub(place.done) as f64 * in_stage_s / done as f64).ceil())
+        let left_s = || end.saturating_sub(place.done) as f64 * in_stage_s / done as f64;
+        known.then(left_s).map(|left_s| match left_s > MINUTES_FROM_S {
+            true => format!("{} min", (left_s / 60.0).ceil()),
+            false => format!("{} s", left_s.ceil()),
+        })
     };
     let left = match place.end {
         End::Unknown => String::new(),
         // It has taken more than it may and ends with what it has begun.
         End::AtMost { steps, to } if place.done >= steps => format!(", about to come to {to}"),
         End::AtMost { steps, to } => {
-            left_s(steps).map_or_else(String::new, |left_s| format!(", at most {left_s} s to {to}"))
+            left_of(steps).map_or_else(String::new, |left| format!(", at most {left} to {to}"))
         }
         End::Exactly(steps) => {
-            let left = left_s(steps).map_or_else(String::new, |left_s| format!(", about {left_s} s left"));
+            let left = left_of(steps).map_or_else(String::new, |left| format!(", about {left} left"));
             return format!(": {}, {} of {steps}, {gone_s} s gone{left}", place.stage, place.done);
         }
     };
@@ -111,6 +117,7 @@ mod tests {
         assert_eq!(text(&place(0, at_most), 0, 5.0, 7), ": search, 7 s gone");
         // A hundred in ten seconds: of the rest of two hundred, as many were there before.
         assert_eq!(text(&place(200, at_most), 100, 10.0, 12), ": search, 12 s gone, at most 20 s to the verdict");
+        assert_eq!(text(&place(10, at_most), 0, 10.0, 12), ": search, 12 s gone, at most 7 min to the verdict");
         assert_eq!(text(&place(401, at_most), 0, 10.0, 12), ": search, 12 s gone, about to come to the verdict");
         assert_eq!(text(&place(3, End::Exactly(9)), 0, 6.0, 8), ": search, 3 of 9, 8 s gone, about 12 s left");
         assert_eq!(text(&place(0, End::Exactly(9)), 0, 6.0, 8), ": search, 0 of 9, 8 s gone");

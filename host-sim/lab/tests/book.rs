@@ -18,6 +18,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use assert_cmd::cargo::cargo_bin;
+use lab::read::{Column, Machine};
 
 /// The folder of the repository.
 fn root() -> PathBuf {
@@ -123,6 +124,38 @@ fn every_command_of_the_other_pages_runs() {
         run(folder.path(), blocks);
     }
     assert!(count >= 4, "{count} blocks");
+}
+
+/// The blocks of a machine file of a page.
+fn blocks_of_toml(name: &str) -> Vec<String> {
+    let page = page(name);
+    page.split("```toml\n").skip(1).map(|rest| rest.split("```").next().unwrap().to_owned()).collect()
+}
+
+/// A machine file that has nothing that a page shows.
+const BARE: &str = "schema = 1\nname = \"m\"\n[axis]\nkind = \"rotary\"\nsample_period_s = 5e-4\nresolution = 1e-5\n\
+                    [plant]\ninertia = 0.075\n";
+
+fn read_machine(text: &str) -> Machine {
+    Machine::from_bytes(Path::new("machine.toml"), text.as_bytes()).unwrap_or_else(|error| panic!("{error}: {text}"))
+}
+
+#[test]
+fn the_machine_files_that_the_book_shows_are_read() {
+    let formats = blocks_of_toml("formats.md");
+    let [columns, wrapping] = &formats[..] else { panic!("{formats:?}") };
+    let machine = read_machine(&format!("{BARE}{columns}"));
+    let torque = machine.columns.columns().iter().find(|mapped| mapped.column == Column::EffortCmd).unwrap();
+    assert_eq!((torque.name.as_str(), torque.unit.as_str(), torque.scale), ("Motor Current [A]", "A", 0.12));
+    let position = columns.lines().find(|line| line.starts_with("position")).unwrap();
+    let machine = read_machine(&format!("{BARE}{}", columns.replace(position, wrapping)));
+    assert!(machine.columns.columns().iter().any(|mapped| mapped.wrap == Some(25.0)));
+    let fluid = blocks_of_toml("fluid.md");
+    assert!(!fluid.is_empty());
+    for block in fluid {
+        let er = read_machine(&format!("{BARE}{block}")).plant.er.unwrap();
+        assert_eq!(er.fluid.unwrap().electrode.unwrap().gap_m, 5e-4);
+    }
 }
 
 /// With `--help` behind it a command tells what it is, and refuses words before it that it does not know.

@@ -118,6 +118,11 @@ fn a_delay_is_told_where_it_explains_much_and_only_there() {
     fs::write(folder.path().join("late.csv"), log("position_rad,torque_nm", 1.5, late)).unwrap();
     let looked = lab(folder.path(), &["doctor", "late.csv"]);
     assert!(looked.contains("% less of the balance is left: state torque_delay_s"), "{looked}");
+    // Left out, the delay would be noise, and nothing would show.
+    assert!(
+        line(&looked, "shows").contains("inertia") && line(&looked, "shows").contains("coulomb_friction"),
+        "{looked}"
+    );
     // Friction that the balance has not: a shift fits it somewhat better, and means nothing.
     let law =
         |[position, speed, _]: [f64; 3]| 0.3 * speed.signum() * (1.0 + 0.5 * (7.0 * position).sin()) + 0.05 * speed;

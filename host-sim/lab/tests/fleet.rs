@@ -5,8 +5,12 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 use std::process::Output;
+use std::thread;
+use std::time::{Duration, Instant};
 
 use assert_cmd::Command;
+use lab::fleet::{Row, Task, manifest, table};
+use lab::output::Files;
 use lab::read::Table;
 
 const MACHINE: &str = "schema = 1\nname = \"m\"\n[axis]\nkind = \"rotary\"\nsample_period_s = 1e-3\nresolution = 1.3e-5\n\
@@ -43,7 +47,7 @@ const GOOD: &str = "machine,recordings,holdout,date\naxis/m.toml,axis/mon1.csv,a
                     axis/m.toml,axis/tue1.csv;axis/tue2.csv,,2026-03-31\n";
 
 /// The columns of a table by their names.
-fn table(file: &Path) -> BTreeMap<String, Vec<String>> {
+fn columns(file: &Path) -> BTreeMap<String, Vec<String>> {
     Table::words(file).unwrap().into_iter().collect()
 }
 
@@ -62,7 +66,7 @@ fn a_fleet_is_diagnosed_row_by_row_and_goes_on_where_it_was_stopped() {
     let errors = text(&first.stderr);
     assert_eq!(first.status.code(), Some(2), "{errors}");
     assert!(errors.starts_with("error: bad.csv:3: axis/missing.csv: ") && errors.lines().count() == 1, "{errors}");
-    let rows = table(&at("fleet.parquet"));
+    let rows = columns(&at("fleet.parquet"));
     assert_eq!(rows["line"], ["2", "3", "4"]);
     assert!(rows["error"][1].contains("missing.csv") && rows["error"][0].is_empty() && rows["error"][2].is_empty());
     assert!(
@@ -81,13 +85,60 @@ fn a_fleet_is_diagnosed_row_by_row_and_goes_on_where_it_was_stopped() {
     let answers = rows["answer"].clone();
     let again = run("good.csv");
     assert_eq!(again.status.code(), Some(0), "{}", text(&again.stderr));
-    let second = table(&at("fleet.parquet"));
+    let second = columns(&at("fleet.parquet"));
     assert_eq!(second["line"], ["2", "3"], "the bad row is gone from the manifest, and from the table");
     assert_eq!(second["answer"], [answers[0].clone(), answers[2].clone()]);
     fs::remove_file(at("axis/mon2.csv")).unwrap();
     let lost = run("good.csv");
     assert!(text(&lost.stderr).contains("good.csv:2: axis/mon2.csv: "), "{}", text(&lost.stderr));
-    assert_eq!(table(&at("fleet.parquet"))["answer"][1], answers[2]);
+    assert_eq!(columns(&at("fleet.parquet"))["answer"][1], answers[2]);
+}
+
+/// Puts a mark into the answers of a table, which a run that does them again has not.
+fn mark(manifest: &Path, table: &Path) -> usize {
+    let (tasks, earlier) = (manifest::read(manifest).unwrap(), table::earlier(table).unwrap());
+    let marked = |task: Task| {
+        let key = task.key().unwrap();
+        let mut answer = earlier.get(&key)?.clone();
+        answer.warnings.push("kept".to_owned());
+        Some(Row { task, key, outcome: Ok(answer) })
+    };
+    let rows: Vec<Row> = tasks.into_iter().filter_map(marked).collect();
+    let mut files = Files::new(true);
+    let written = files.writes(table);
+    let mut outputs = files.check().unwrap();
+    table::write(&mut outputs, written, &rows.iter().collect::<Vec<_>>()).unwrap();
+    rows.len()
+}
+
+#[test]
+#[cfg_attr(debug_assertions, ignore = "minutes without optimisation; the tests in release run it")]
+fn a_run_that_is_killed_midway_goes_on_with_the_rows_that_were_done() {
+    let folder = folder();
+    let at = |name: &str| folder.path().join(name);
+    let all = ["mon1", "mon2", "tue1", "tue2"];
+    let pairs = all.iter().flat_map(|one| all.iter().filter(move |other| *other != one).map(move |other| (one, other)));
+    let rows: String = pairs.map(|(one, other)| format!("axis/m.toml,axis/{one}.csv,axis/{other}.csv\n")).collect();
+    fs::write(at("many.csv"), format!("machine,recordings,holdout\n{rows}")).unwrap();
+    let mut command = std::process::Command::new(assert_cmd::cargo::cargo_bin("servo-lab"));
+    let words = ["fleet", "many.csv", "-o", "fleet.parquet", "--jobs", "1"];
+    let mut child = command.current_dir(folder.path()).args(words).spawn().unwrap();
+    let begun = Instant::now();
+    while fs::metadata(at("fleet.parquet")).map_or(0, |file| file.len()) == 0 {
+        assert!(begun.elapsed() < Duration::from_secs(120), "no row was saved");
+        thread::sleep(Duration::from_millis(10));
+    }
+    child.kill().unwrap();
+    child.wait().unwrap();
+    let done = mark(&at("many.csv"), &at("fleet.parquet"));
+    println!("{done} of 12 rows were done");
+    assert!((1..12).contains(&done), "{done} of 12");
+    let again = lab(folder.path(), &words);
+    assert_eq!(again.status.code(), Some(0), "{}", text(&again.stderr));
+    let second = columns(&at("fleet.parquet"));
+    assert_eq!(second["line"].len(), 12);
+    assert!(second["error"].iter().all(String::is_empty), "{:?}", second["error"]);
+    assert_eq!(second["warnings"].iter().filter(|text| text.contains("kept")).count(), done);
 }
 
 #[test]

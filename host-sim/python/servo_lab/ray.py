@@ -36,7 +36,10 @@ def tasks(manifest: str | os.PathLike[str]) -> pa.Table:
     place = os.fspath(manifest)
     if "://" in place:
         with tempfile.TemporaryDirectory() as near:
-            rows = _servo_lab.manifest(_fetched(place, Path(near)))
+            try:
+                rows = _servo_lab.manifest(_fetched(place, Path(near)))
+            except NotFetched as missing:
+                raise _servo_lab.ServoLabError(str(missing)) from missing
         rows = [(*row[:-1], place.rpartition("/")[0]) for row in rows]
     else:
         rows = _servo_lab.manifest(os.path.abspath(place))
@@ -47,13 +50,13 @@ def tasks(manifest: str | os.PathLike[str]) -> pa.Table:
 def diagnose_batch(batch: pa.Table) -> pa.Table:
     """Diagnoses rows of :func:`tasks` on one core, for ``map_batches(diagnose_batch, batch_format="pyarrow", batch_size=1)``.
 
-    What is wrong with a row is in its column ``error``. Files that are URLs are fetched by fsspec.
+    What is wrong with a row is in its column ``error``. Files that are URLs are fetched by fsspec; why one cannot be had is there too.
     """
     rows = batch.to_pylist()
     with tempfile.TemporaryDirectory() as near:
         fetched: dict[str, str] = {}
         local = [_local(row, Path(near) / str(index), fetched) for index, row in enumerate(rows)]
-        done = pa.table(_servo_lab.fleet([tuple(row[name] for name in _TASKS) for row in local], 1))
+        done = pa.table(_servo_lab.fleet([tuple(row[name] for name in _TASKS) for row, _ in local], 1))
     for name in ["machine", "recordings", "holdout"]:
         cells = pa.array([row[name] for row in rows], pa.string())
         done = done.set_column(done.column_names.index(name), SCHEMA.field(name), cells)
@@ -64,6 +67,7 @@ def diagnose_batch(batch: pa.Table) -> pa.Table:
     ]
     for file, url in fetched.items():
         errors = [error.replace(file, url) for error in errors]
+    errors = [why or error for (_, why), error in zip(local, errors)]
     done = done.set_column(done.column_names.index("error"), SCHEMA.field("error"), pa.array(errors, pa.string()))
     return done.cast(SCHEMA)
 
@@ -84,14 +88,19 @@ def fleet(manifest: str | os.PathLike[str], **options: Any) -> pa.Table:
     return pa.concat_tables(done).sort_by("line").combine_chunks()
 
 
-def _local(row: dict[str, Any], near: Path, fetched: dict[str, str]) -> dict[str, Any]:
-    """The row with files that are URLs fetched; ``fetched`` tells what they were."""
+def _local(row: dict[str, Any], near: Path, fetched: dict[str, str]) -> tuple[dict[str, Any], str]:
+    """The row with files that are URLs fetched, and why the first that is not there is not; ``fetched`` tells what they were."""
+    why: list[str] = []
 
     def here(name: str, folder: Path) -> str:
         url = name if "://" in name else f"{row['folder']}/{name}"
         if not name or "://" not in url:
             return name
-        file = _fetched(url, folder)
+        try:
+            file = _fetched(url, folder)
+        except NotFetched as missing:
+            why.append(str(missing))
+            return name
         fetched[file] = url
         return file
 
@@ -100,24 +109,30 @@ def _local(row: dict[str, Any], near: Path, fetched: dict[str, str]) -> dict[str
         # A folder each: the name stands in the answer, and two files may have one.
         return ";".join(here(name, near / part / str(index)) for index, name in enumerate(names))
 
-    return {
+    here_now = {
         **row,
         "machine": here(row["machine"], near / "machine"),
         "recordings": all_here(row["recordings"], "recordings"),
         "holdout": all_here(row["holdout"], "holdout"),
     }
+    return here_now, "".join(why[:1])
+
+
+class NotFetched(Exception):
+    """A file behind a URL cannot be had; its text says which, and why."""
 
 
 def _fetched(url: str, folder: Path) -> str:
-    """Where the file of a URL is now; nothing is there where it could not be had, which the row's error tells."""
-    import fsspec
-
+    """Where the file of a URL is now."""
     folder.mkdir(parents=True, exist_ok=True)
     file = folder / url.rpartition("/")[2]
     try:
+        import fsspec
+
         with fsspec.open(url, "rb") as source, open(file, "wb") as target:
             while part := source.read(1 << 20):
                 target.write(part)
-    except FileNotFoundError:
-        file.unlink(missing_ok=True)
+    # Each store has exceptions of its own, for rights, lines and keys; whichever it is, the other rows go on.
+    except Exception as error:
+        raise NotFetched(f"{url}: {type(error).__name__}: {error}") from error
     return str(file)

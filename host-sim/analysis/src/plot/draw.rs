@@ -277,7 +277,95 @@ fn held(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::super::Stroke;
     use super::*;
+
+    /// The value of an attribute of a piece of SVG.
+    fn attribute<'a>(element: &'a str, name: &str) -> &'a str {
+        element.split(&format!(" {name}=\"")).nth(1).unwrap().split('"').next().unwrap()
+    }
+
+    /// Colour and width of each horizontal line of this figure at more than 1 px, with its y, its first x and its length.
+    fn lines(svg: &str, colour: &str) -> Vec<(String, i32, i32, i32)> {
+        let lines =
+            svg.split("<polyline").skip(1).filter(|line| attribute(line, "stroke").eq_ignore_ascii_case(colour));
+        let line = |line: &str| {
+            let points: Vec<(i32, i32)> = attribute(line, "points")
+                .split_whitespace()
+                .map(|point| point.split_once(',').map(|(x, y)| (x.parse().unwrap(), y.parse().unwrap())).unwrap())
+                .collect();
+            let (first, last) = (points[0], points[points.len() - 1]);
+            (attribute(line, "stroke-width").to_owned(), first.1, first.0, last.0 - first.0)
+        };
+        lines.map(line).collect()
+    }
+
+    #[test]
+    fn the_sample_of_a_legend_is_of_the_colour_width_and_dashes_of_its_line() {
+        for (ink, colour) in [(Ink::Nominal, "#D55E00"), (Ink::Improved, "#0072B2"), (Ink::ByPlace, "#0072B2")] {
+            for stroke in [Stroke::Solid, Stroke::Dashed, Stroke::Dotted, Stroke::DashDot] {
+                let series = Series::new("curve", Mark::Line, [(0.0, 0.5), (1.0, 0.5)]).with(stroke).inked(ink);
+                let panels = vec![Panel::new("x", "y", vec![series])];
+                let svg = Figure { title: "t".to_owned(), panels }.to_svg().unwrap();
+                let lines = lines(&svg, colour);
+                let top = lines.iter().map(|line| line.1).min().unwrap();
+                let (sample, curve): (Vec<_>, Vec<_>) = lines.iter().partition(|line| line.1 == top);
+                assert!(!sample.is_empty() && curve.len() >= sample.len(), "{ink:?}, {stroke:?}: {svg}");
+                assert!(lines.iter().all(|line| line.0 == lines[0].0), "one width: {lines:?}");
+                // The pieces of the sample lie as the first ones of the curve do; the last is cut where the sample ends.
+                let places = |of: &[&(String, i32, i32, i32)]| -> Vec<(i32, i32)> {
+                    of.iter().map(|line| (line.2 - of[0].2, line.3)).collect()
+                };
+                let whole = sample.len() - 1;
+                for (one, other) in places(&sample[..whole]).iter().zip(places(&curve[..whole])) {
+                    let near = (one.0 - other.0).abs() <= 1 && (one.1 - other.1).abs() <= 1;
+                    assert!(near, "{ink:?}, {stroke:?}: {sample:?} {curve:?}");
+                }
+                assert_eq!(whole > 0, stroke != Stroke::Solid, "{stroke:?}");
+            }
+        }
+    }
+
+    /// L, a, b of a colour (CIE 1976, white D65) as an eye without its middle cones sees it (Machado, Oliveira and Fernandes 2009).
+    fn seen_without_green(colour: RGBColor) -> [f64; 3] {
+        let linear = |level: u8| {
+            let level = f64::from(level) / 255.0;
+            if level <= 0.040_45 { level / 12.92 } else { ((level + 0.055) / 1.055).powf(2.4) }
+        };
+        let rgb = [colour.0, colour.1, colour.2].map(linear);
+        let times = |matrix: [[f64; 3]; 3], of: [f64; 3]| {
+            matrix.map(|row| row.iter().zip(of).map(|(factor, value)| factor * value).sum::<f64>())
+        };
+        let deuteranopia =
+            [[0.367_322, 0.860_646, -0.227_968], [0.280_085, 0.672_501, 0.047_413], [-0.011_820, 0.042_940, 0.968_881]];
+        let seen = times(deuteranopia, rgb).map(|level| level.clamp(0.0, 1.0));
+        let to_xyz = [[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]];
+        let [x, y, z] = times(to_xyz, seen);
+        let root = |t: f64| if t > 0.008_856 { t.cbrt() } else { 7.787 * t + 16.0 / 116.0 };
+        let [x, y, z] = [root(x / 0.9505), root(y), root(z / 1.089)];
+        [116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)]
+    }
+
+    fn apart(one: RGBColor, other: RGBColor) -> f64 {
+        let squares =
+            seen_without_green(one).into_iter().zip(seen_without_green(other)).map(|(a, b)| (a - b) * (a - b));
+        squares.sum::<f64>().sqrt()
+    }
+
+    #[test]
+    fn colours_stay_apart_for_who_does_not_tell_red_from_green() {
+        // A pure red and green of one lightness are 6 apart then, and 2.3 are just seen (Mahy 1994).
+        assert!(apart(RGBColor(220, 0, 0), RGBColor(0, 160, 0)) < 10.0);
+        for (index, one) in COLOURS.iter().enumerate() {
+            for other in &COLOURS[..index] {
+                assert!(apart(*one, *other) > 15.0, "{one:?} and {other:?}: {}", apart(*one, *other));
+            }
+        }
+        for (one, other) in [(RECORDED, NOMINAL), (RECORDED, IMPROVED), (NOMINAL, IMPROVED)] {
+            assert!(apart(one, other) > 30.0, "{one:?} and {other:?}: {}", apart(one, other));
+        }
+    }
 
     #[test]
     fn a_legend_of_many_names_goes_on_in_another_row() {

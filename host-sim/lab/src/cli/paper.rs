@@ -2,13 +2,13 @@
 
 mod page;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use super::Overwrite;
 use crate::beyond::compare;
 use crate::output::{Files, Output, Provenance, formats};
 use crate::paper::{figures, reproduce, table};
-use crate::read::{AxisKind, Recording};
+use crate::read::{AxisKind, Machine, Recording};
 use crate::{Error, output};
 
 /// Flags of `paper`.
@@ -25,6 +25,9 @@ pub struct Args {
     /// Recording of a step of 30 degrees from 0, drawn dashed into Figs. 12 to 18.
     #[arg(long, value_name = "FILE", conflicts_with = "beyond")]
     measured: Option<PathBuf>,
+    /// Machine file whose section `columns` says what the columns of the recording are; without it, they are the format's own.
+    #[arg(long, value_name = "FILE", requires = "measured")]
+    machine: Option<PathBuf>,
     /// In place of the paper's figures and claims: the control it asks for, beside its own law, in one table and one figure.
     #[arg(long)]
     beyond: bool,
@@ -39,14 +42,13 @@ pub fn run(args: &Args) -> Result<(), Error> {
     if args.beyond {
         return beyond(args, files);
     }
-    files.reads_all(&args.measured);
+    files.reads_all(args.measured.iter().chain(&args.machine));
     let picture = |name: &'static str| (name, files.writes(&args.out.join(name)));
     let pictures: Vec<(&str, Output)> = figures::FILES.into_iter().map(picture).collect();
     let claims = files.writes(&args.out.join("claims.md"));
     let html = args.html.as_ref().map(|file| files.writes(file));
     let mut outputs = files.check()?;
-    let read = |file: &PathBuf| Recording::read(file, Some(AxisKind::Rotary));
-    let measured = args.measured.as_ref().map(read).transpose()?;
+    let measured = args.measured.as_ref().map(|file| args.read(file)).transpose()?;
     let paper = reproduce(measured.as_ref())?;
     for (name, picture) in pictures {
         let named = paper.figures.iter().find(|named| named.file == name);
@@ -65,6 +67,18 @@ pub fn run(args: &Args) -> Result<(), Error> {
         args.out.display(),
         figures::LEFT_OUT
     ))
+}
+
+impl Args {
+    /// The measured recording, by the columns of the machine file where one is given.
+    fn read(&self, recording: &Path) -> Result<Recording, Error> {
+        let Some(file) = &self.machine else { return Recording::read(recording, Some(AxisKind::Rotary)) };
+        let machine = Machine::read(file)?;
+        if machine.axis.kind != AxisKind::Rotary {
+            return Err(Error::input(file, None, "axis.kind", "the paper's servo is a rotary axis"));
+        }
+        Recording::of(recording, &machine)
+    }
 }
 
 fn beyond(args: &Args, mut files: Files) -> Result<(), Error> {

@@ -27,7 +27,8 @@ function whole(view, page, width) {
   const drawings = [...page.querySelectorAll(".drawing svg")].filter(svg => svg.getBoundingClientRect().width);
   const beyond = drawings.flatMap(svg => [...svg.querySelectorAll("text")].filter(word =>
     word.getBoundingClientRect().right > svg.getBoundingClientRect().right + 1));
-  const pictureBottom = page.querySelector("#picture .uplot, #picture svg").getBoundingClientRect().bottom;
+  // A page of tables has none.
+  const pictureBottom = page.querySelector("#picture .uplot, #picture svg")?.getBoundingClientRect().bottom ?? null;
   return { pageWidth: page.documentElement.scrollWidth, errors: view.errors, cut: [...cut, ...inside].map(name),
     beyond: beyond.map(word => word.textContent.trim()), drawings: drawings.length, pictureBottom };
 }

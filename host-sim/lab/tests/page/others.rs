@@ -51,6 +51,28 @@ pub fn others() -> &'static [Other] {
     })
 }
 
+/// The page of a fleet of two, which is of tables only, made once for all tests.
+pub fn fleet() -> &'static str {
+    static MADE: OnceLock<String> = OnceLock::new();
+    MADE.get_or_init(|| {
+        let folder = &made().folder;
+        let rows = "machine,recordings,date\nmachine.toml,steps.csv,2026-03-30\nmachine.toml,held.csv,2026-03-31\n";
+        fs::write(folder.join("fleet.csv"), rows).unwrap();
+        lab(folder, "fleet fleet.csv -o fleet.parquet --html fleet.html");
+        fs::read_to_string(folder.join("fleet.html")).unwrap()
+    })
+}
+
+#[test]
+#[cfg_attr(debug_assertions, ignore = "minutes without optimisation; the tests in release run it")]
+fn the_page_of_a_fleet_is_in_the_same_dress() {
+    let page = Html::parse_document(fleet());
+    is_in_dress(&page);
+    let effects = cells(&page, "Effects in machines");
+    let viscous = effects.iter().find(|row| row[1] == "viscous_friction").unwrap_or_else(|| panic!("{effects:?}"));
+    assert_eq!(viscous[2..], ["2 of 2", "2, 3"]);
+}
+
 fn page(name: &str) -> (Html, &'static Other) {
     let other = others().iter().find(|other| other.name == name).unwrap();
     (Html::parse_document(&other.page), other)

@@ -4,7 +4,7 @@ use std::collections::HashSet;
 
 use scraper::{ElementRef, Html, Selector};
 
-use super::made;
+use super::{lab, made};
 
 pub fn all<'a>(page: &'a Html, what: &str) -> Vec<ElementRef<'a>> {
     page.select(&Selector::parse(what).unwrap()).collect()
@@ -143,4 +143,62 @@ fn the_figures_of_the_fit_and_of_other_models_are_those_of_the_json() {
     let inputs = answer["provenance"]["inputs"].as_array().unwrap();
     assert_eq!(hashes.len(), inputs.len());
     hashes.iter().zip(inputs).for_each(|(row, input)| assert_eq!(row[1], input["sha256"].as_str().unwrap()));
+}
+
+/// Whether a share of the JSON is what a cell shows, to a percent.
+fn same_share(shown: &str, share: &serde_json::Value) {
+    same(shown.trim_end_matches(" %"), 100.0 * share.as_f64().unwrap());
+}
+
+#[test]
+#[cfg_attr(debug_assertions, ignore = "minutes without optimisation; the tests in release run it")]
+fn where_the_nominal_model_fails_is_that_of_the_json() {
+    let (page, answer) = (Html::parse_document(&made().page), &made().answer);
+    let spans = cells(&page, "Spans of time in which the nominal model fails most");
+    let locations = answer["locations"].as_array().unwrap();
+    assert!(!locations.is_empty() && spans.len() == locations.len(), "{answer:#}");
+    for (row, location) in spans.iter().zip(locations) {
+        assert_eq!(row[0], location["recording"].as_str().unwrap());
+        let (start, end) = row[1].split_once(" to ").unwrap();
+        same(start, location["start_s"].as_f64().unwrap());
+        same(end, location["end_s"].as_f64().unwrap());
+        same_share(&row[2], &location["share"]);
+        assert_eq!(row[3], location["text"].as_str().unwrap());
+    }
+    let ranges = cells(&page, "Ranges of state in which the nominal model fails most");
+    let regions = answer["regions"].as_array().unwrap();
+    assert!(!regions.is_empty() && ranges.len() == regions.len(), "{answer:#}");
+    for (row, region) in ranges.iter().zip(regions) {
+        assert_eq!(row[0], region["channel"].as_str().unwrap());
+        let (low, high) = row[1].split_once(" to ").unwrap();
+        same(low, region["low"].as_f64().unwrap());
+        same(high, region["high"].as_f64().unwrap());
+        same_share(&row[2], &region["share"]);
+    }
+}
+
+#[test]
+#[cfg_attr(debug_assertions, ignore = "minutes without optimisation; the tests in release run it")]
+fn what_is_left_is_that_of_the_json() {
+    let folder = &made().folder;
+    // With nothing to name it by, the missing friction is left.
+    let asked = "diagnose --machine machine.toml --only torque_ripple steps.csv";
+    lab(folder, &format!("{asked} --html left.html --json left.json"));
+    let read = |name: &str| std::fs::read_to_string(folder.join(name)).unwrap();
+    let page = Html::parse_document(&read("left.html"));
+    let answer: serde_json::Value = serde_json::from_str(&read("left.json")).unwrap();
+    let left = &answer["remainder"];
+    let words = text(all(&page, "section[aria-labelledby=left]")[0]);
+    let rms = words.split("stand in for ").nth(1).unwrap().split(' ').next().unwrap();
+    same(rms, left["effort_rms"].as_f64().unwrap_or_else(|| panic!("{answer:#}")));
+    let rows = cells(&page, "Channels that predict part of it");
+    let predictors = left["predictors"].as_array().unwrap();
+    assert!(!predictors.is_empty() && rows.len() == predictors.len(), "{left:#}");
+    for (row, predictor) in rows.iter().zip(predictors) {
+        assert_eq!(row[0], predictor["channel"].as_str().unwrap());
+        same_share(&row[1], &predictor["share"]);
+        if let Some(rms) = predictor["effort_rms"].as_f64() {
+            same(row[2].split(' ').next().unwrap(), rms);
+        }
+    }
 }

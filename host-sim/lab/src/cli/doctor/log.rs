@@ -54,8 +54,10 @@ pub(super) fn checks(file: &Path, machine: Option<&Machine>, given: Given<'_>) -
     checks.push(saturation(&recording, &units));
     let model = first_model(&axis, std::slice::from_ref(&recording));
     checks.push(balance(model.as_ref(), &units));
-    checks.extend(model.as_ref().map(|model| skew(&recording, &axis, model, period_s)));
-    checks.extend(shows(&recording, &axis, machine, model.as_ref()));
+    let delay = model.as_ref().and_then(|model| delay(&recording, &axis, model, period_s));
+    checks.extend(model.is_some().then(|| skew(delay)));
+    let first = model.as_ref().map(|model| (model, delay.map_or(0.0, |(delay_s, _)| delay_s)));
+    checks.extend(shows(&recording, &axis, machine, first));
     Ok(checks)
 }
 
@@ -223,13 +225,25 @@ fn balance(model: Option<&FirstModel>, units: &EffortUnits) -> Check {
     Check::new(state, "excitation", found)
 }
 
-/// Whether the effort fits the motion far better at another time: a delay of the drive, or clocks that differ.
-fn skew(recording: &Recording, axis: &Axis, model: &FirstModel, period_s: f64) -> Check {
-    let together = Check::new(State::Good, "skew", "effort and motion go together");
+fn skew(delay: Option<(f64, f64)>) -> Check {
+    let Some((delay_s, share)) = delay else {
+        return Check::new(State::Good, "skew", "effort and motion go together");
+    };
+    let message = format!(
+        "with the effort {:.1} ms later {:.0} % less of the balance is left: state torque_delay_s, or the clocks differ",
+        1e3 * delay_s,
+        100.0 * share
+    );
+    Check::new(State::Note, "skew", message)
+}
+
+/// The time, s, by which the effort fits the motion far better if it acts later, and the share that is less of what is left then: a
+/// delay of the drive, or clocks that differ; none where it fits as it is.
+fn delay(recording: &Recording, axis: &Axis, model: &FirstModel, period_s: f64) -> Option<(f64, f64)> {
     let (windows, length_s) = model.windows;
     let trusted = |model: &FirstModel| model.inertia.is_known() && model.inertia.value > 0.0 && !model.reversed;
     if !trusted(model) || model.explained < EXPLAINED_ENOUGH || windows < DELAY_WINDOWS {
-        return together;
+        return None;
     }
     let left = |rows: usize| {
         let shifted = first_model_of(axis, &[shifted(recording, rows)], length_s).filter(trusted);
@@ -238,20 +252,11 @@ fn skew(recording: &Recording, axis: &Axis, model: &FirstModel, period_s: f64) -
     let most = MOST_DELAY_ROWS.min(recording.rows() / 10).min((MOST_DELAY_S / period_s) as usize);
     let tried: Vec<usize> = [1, 2, 3, 5, 7, 10, 14, 20, 28, 40].into_iter().filter(|rows| *rows <= most).collect();
     let best = tried.iter().map(|rows| (*rows, left(*rows))).min_by(|one, other| one.1.total_cmp(&other.1));
-    match best {
-        // What is best at the longest shift of all has no best one.
-        Some((rows, left))
-            if left < (1.0 - DELAY_EXPLAINS) * model.left && (tried.len() == 1 || tried.last() != Some(&rows)) =>
-        {
-            let message = format!(
-                "with the effort {:.1} ms later {:.0} % less of the balance is left: state torque_delay_s, or the clocks differ",
-                1e3 * rows as f64 * period_s,
-                100.0 * (1.0 - (left / model.left).sqrt())
-            );
-            Check::new(State::Note, "skew", message)
-        }
-        _ => together,
-    }
+    let (rows, left) = best?;
+    // What is best at the longest shift of all has no best one.
+    let is_a_best = tried.len() == 1 || tried.last() != Some(&rows);
+    let explains = left < (1.0 - DELAY_EXPLAINS) * model.left && is_a_best;
+    explains.then(|| (rows as f64 * period_s, 1.0 - (left / model.left).sqrt()))
 }
 
 /// The effort some rows later.

@@ -13,16 +13,17 @@ use crate::read::{Axis, AxisKind, Machine, Recording};
 /// Fewest rows of a log that noise is estimated on, as a diagnosis has it.
 const FEWEST_ROWS: usize = 40;
 
-/// What the motion shows of the machine, by its file or else by the first model; nothing where that is none.
+/// What the motion shows of the machine, by its file or else by the `first` model with the delay of its effort, s; nothing where that
+/// is none. A delay that is left out would be noise, under which nothing shows.
 pub(super) fn shows(
     recording: &Recording,
     axis: &Axis,
     machine: Option<&Machine>,
-    model: Option<&FirstModel>,
+    first: Option<(&FirstModel, f64)>,
 ) -> Vec<Check> {
-    let physics = match (machine, model) {
+    let physics = match (machine, first) {
         (Some(machine), _) => Some(Physics::nominal(machine, &[&recording.name])),
-        (None, Some(model)) if !model.reversed => physics(axis, model),
+        (None, Some((model, delay_s))) if !model.reversed => physics(axis, model, delay_s),
         _ => None,
     };
     let Some(physics) = physics.filter(|_| recording.rows() >= FEWEST_ROWS) else { return Vec::new() };
@@ -32,7 +33,7 @@ pub(super) fn shows(
 }
 
 /// The machine of the first model. An inertia that the motion does not tell is the largest that it allows.
-fn physics(axis: &Axis, model: &FirstModel) -> Option<Physics> {
+fn physics(axis: &Axis, model: &FirstModel, delay_s: f64) -> Option<Physics> {
     let inertia = if model.inertia.is_known() && model.inertia.value > 0.0 {
         model.inertia.value
     } else {
@@ -43,6 +44,7 @@ fn physics(axis: &Axis, model: &FirstModel) -> Option<Physics> {
     nominal.coulomb = told(model.coulomb).max(0.0);
     nominal.viscous = told(model.viscous).max(0.0);
     nominal.torque_offset = told(model.offset);
+    nominal.torque_delay_s = delay_s;
     let mut physics = Physics::new(nominal);
     if let (Some((amplitude, phase_rad)), Some(gravity)) = (model.gravity, find("gravity_load")) {
         if let Some(values) = (gravity.fitted)(&[amplitude.value, phase_rad], None) {
