@@ -3,9 +3,12 @@
 
 use std::path::Path;
 
-use analysis::paper::case::{Case, Fluid, PUSH, Reading, Response, peak_rad};
+use analysis::paper::case::{COULOMB_NM, Case, Fluid, PUSH, Reading, Response, STEP_RAD, peak_rad};
 use analysis::paper::claims::Verdict;
+use analysis::paper::figures::NamedFigure;
 use analysis::paper::{reproduce, table};
+use analysis::plot::{Figure, Panel};
+use recording::{AxisKind, Recording};
 
 fn response(case: &Case) -> Response {
     case.response(&case.run().unwrap()).unwrap()
@@ -94,9 +97,61 @@ fn the_brake_takes_a_share_of_the_push() {
     }
 }
 
+/// A user's run: a position that no model makes, at other times than the model's.
+fn measured() -> Recording {
+    let t_s: Vec<f64> = (0..400).map(|k| 10.0 + 0.0007 * f64::from(k)).collect();
+    let since = |t_s: &f64| (t_s - 10.0) / 0.28;
+    Recording {
+        position: t_s.iter().map(|t_s| STEP_RAD * since(t_s)).collect(),
+        effort_cmd: t_s.iter().map(|t_s| 20.0 - 30.0 * since(t_s)).collect(),
+        t_s,
+        ..Recording::empty(AxisKind::Rotary)
+    }
+}
+
+fn panels<'a>(figures: &'a [NamedFigure], file: &str) -> &'a [Panel] {
+    &figures.iter().find(|named| named.file == file).unwrap_or_else(|| panic!("no {file}")).figure.panels
+}
+
+/// The recording is a curve in Figs. 12 to 18, from time 0 on.
+fn overlaid(figures: &[NamedFigure], measured: &Recording) {
+    for file in ["fig12.svg", "fig13.svg", "fig14.svg", "fig15.svg", "fig16.svg", "fig17.svg", "fig18.svg"] {
+        let first = &panels(figures, file)[0];
+        let curve = first.series.iter().find(|series| series.name == "measured").unwrap();
+        let recorded = if file == "fig18.svg" { &measured.effort_cmd } else { &measured.position };
+        assert_eq!(curve.points[0], (0.0, recorded[0]));
+        assert_eq!(curve.points[100].1, recorded[100]);
+        assert!(curve.points.last().unwrap().0 <= 0.25 && curve.points.len() > 350, "{file}");
+        let alone =
+            Figure { title: String::new(), panels: vec![Panel { series: vec![curve.clone()], ..first.clone() }] };
+        assert!(alone.to_svg().unwrap().contains("<polyline"), "{file}");
+    }
+    let error = panels(figures, "fig17.svg")[1].series.iter().find(|series| series.name == "measured").unwrap();
+    assert!(error.points.iter().all(|(t_s, error)| (error - 1e3 * STEP_RAD * (1.0 - t_s / 0.28)).abs() < 1e-6));
+}
+
+/// Fig. 5: a constant Q makes Q |w| + c as far as 3.5 kV/mm reach, (5) as flashed its own peak.
+fn linearised(figures: &[NamedFigure]) {
+    let [panel] = panels(figures, "fig05.svg") else { panic!("one panel") };
+    for q in [1.0, 5.0, 10.0] {
+        let curve = panel.series.iter().find(|series| series.name == format!("Q {q} N m s/rad"));
+        for (speed, torque) in &curve.unwrap_or_else(|| panic!("no {q}")).points {
+            let line = COULOMB_NM + (q * speed).min(2.5074);
+            assert!((torque / line - 1.0).abs() < 0.01, "Q {q} at {speed} rad/s: {torque} N m, the line {line}");
+        }
+    }
+    let flashed = panel.series.iter().find(|series| series.name.contains("as flashed")).unwrap();
+    let (speed, most) = flashed.points.iter().copied().max_by(|a, b| a.1.total_cmp(&b.1)).unwrap();
+    // Q(0.119) 0.119, at 3.27 kV/mm, and c.
+    assert!((speed - 0.12).abs() < 0.021 && (most - 3.054).abs() < 0.01, "{most} N m at {speed} rad/s");
+}
+
 #[test]
 fn every_claim_has_its_verdict_and_every_figure_is_drawn() {
-    let paper = reproduce(None).unwrap();
+    let measured = measured();
+    let paper = reproduce(Some(&measured)).unwrap();
+    overlaid(&paper.figures, &measured);
+    linearised(&paper.figures);
     let verdict = |words: &str| {
         let claim = paper.claims.iter().find(|claim| claim.statement.contains(words));
         &claim.unwrap_or_else(|| panic!("no claim with {words:?}")).verdict

@@ -123,3 +123,14 @@ fn what_no_gains_can_keep_is_an_error_that_says_how_near_they_come() {
     assert_eq!(error.exit_code(), 2);
     assert!(error.to_string().contains("no gains keep the loop stable up to Q1 55"), "{error}");
 }
+
+#[test]
+fn the_mode_that_won_stands_beside_the_tuned_gains_and_is_not_written() {
+    let told = task(field(0.002, 0.003));
+    let beside = analysis::tune::beside::beside(&told).unwrap().unwrap();
+    assert_eq!(beside.mode.key, "predictor-lead-gains-1.25");
+    let nominal = beside.nominal.unwrap();
+    assert!(nominal.settling_s[0] > 0.05 && nominal.settling_s[0] < 0.2, "{nominal:?}");
+    // The modes know one machine.
+    assert_eq!(analysis::tune::beside::beside(&task(field(0.004, 0.003))).unwrap(), None);
+}

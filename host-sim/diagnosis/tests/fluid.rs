@@ -1,4 +1,4 @@
-//! A fluid that warms and one whose lag depends on its field: left out of the model, each is named first with its values.
+//! A fluid that warms, one whose lag depends on its field and one that flows: left out of the model, each is named first with its values.
 #![allow(clippy::unwrap_used)]
 
 mod common;
@@ -9,7 +9,7 @@ use diagnosis::physics::Physics;
 use diagnosis::pipeline::{Conclusion, diagnose};
 use diagnosis::problem::Problem;
 use plant::effects::Warming;
-use plant::er_fluid::Kinetics;
+use plant::er_fluid::{FlowCurve, Kinetics};
 use plant::{Er, FieldResponse, FluidResponse, Model};
 
 /// Torques of every size that move either way against the fluid, and rest.
@@ -78,4 +78,12 @@ fn a_lag_that_depends_on_the_field_is_named() {
     let kinetics = Kinetics { rise_exponent: 1.0, fall_exponent: 0.5 };
     let found = found(machine(LAG, None), &machine(FieldResponse { kinetics, ..LAG }, None), 4.0);
     holds(&found, "field_kinetics", &[1.0, 0.5]);
+}
+
+#[test]
+#[cfg_attr(debug_assertions, ignore = "minutes without optimisation; the tests in release run it")]
+fn a_flow_that_the_field_thickens_is_named() {
+    let flow = Some(FlowCurve { consistency: 0.0, consistency_per_kv_mm: 0.1, exponent: 0.5 });
+    let found = found(machine(LAG, None), &machine(FieldResponse { flow, ..LAG }, None), 4.0);
+    holds(&found, "er_flow", &[0.1, 0.5]);
 }

@@ -182,7 +182,47 @@ fn a_late_viscosity_is_bounded_unless_it_is_read_as_printed() {
         let summary = printed(folder.path(), &format!("{step}{flags}"));
         assert!(summary.contains(&format!("settling         {settling}")), "{flags}: {summary}");
     }
-    assert!(fs::read_to_string(folder.path().join("run.svg")).unwrap().contains("fluid, at most"));
+    let drawn = fs::read_to_string(folder.path().join("run.svg")).unwrap();
+    assert!(
+        ["fluid, at most", "field (kV/mm)", "command", "acts, of the torque"].iter().all(|text| drawn.contains(text))
+    );
+}
+
+/// Reference minus position at the end of a step, rad.
+fn residual_mrad(folder: &Path, flags: &str) -> f64 {
+    let summary = printed(folder, &format!("simulate --true-speed --duration-s 1 --fluid {flags}"));
+    let line = summary.lines().find(|line| line.starts_with("residual")).unwrap();
+    line.split_whitespace().nth(1).unwrap().parse().unwrap()
+}
+
+#[test]
+fn a_brake_that_holds_keeps_a_late_field_from_returning() {
+    let folder = tempfile::tempdir().unwrap();
+    // Control.md section 7, in u = c / K_P.
+    let held_mrad = 0.763 / 0.24;
+    for (fluid, low, high) in [("e --dead-time-ms 2 --lag-ms 3", 1.97, 2.03), ("none", 1.02, 1.04)] {
+        let residual_u = residual_mrad(folder.path(), &format!("{fluid} --hold")) / held_mrad;
+        assert!((low..=high).contains(&residual_u), "{fluid}: {residual_u} u");
+        let without_u = residual_mrad(folder.path(), fluid) / held_mrad;
+        assert!((0.98..=1.07).contains(&without_u), "{fluid}: {without_u} u without");
+    }
+}
+
+#[test]
+fn a_mode_beside_the_law_is_named_in_the_recording_and_not_replayed() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let law = "simulate --amplitude-deg 3 --duration-s 0.3";
+    let plain = printed(at, law);
+    for extension in ["csv", "parquet", "mcap"] {
+        let mode = printed(at, &format!("{law} --mode lead --out lead.{extension}"));
+        assert!(!mode.contains(&plain), "{mode}");
+        let message = format!("lead.{extension}: the mode `lead` commanded, which the flashed law does not have");
+        refused(at, &format!("replay lead.{extension}"), &message);
+    }
+    assert!(printed(at, "simulate --help").contains("predictor-lead-gains-1.25"));
+    refused(at, "simulate --mode leads", "lead");
+    refused(at, "simulate --mode lead --fluid q --lag-ms 5", "--mode lead: a mode commands a field");
 }
 
 #[test]

@@ -26,17 +26,23 @@ const STRAIGHT_RAD_S: f64 = 0.002;
 impl FlowCurve {
     /// Consistency at a field, kV/mm.
     #[inline]
-    pub(crate) fn at(&self, field_kv_mm: f64) -> f64 {
+    pub fn at(&self, field_kv_mm: f64) -> f64 {
         self.consistency + self.consistency_per_kv_mm * field_kv_mm
+    }
+
+    /// Drag over the speed at a speed, rad/s, for that consistency, N m s/rad.
+    #[inline]
+    pub fn coefficient(&self, consistency: f64, w: f64) -> f64 {
+        if self.exponent == 1.0 {
+            return consistency;
+        }
+        consistency * (w * w + STRAIGHT_RAD_S * STRAIGHT_RAD_S).powf(0.5 * (self.exponent - 1.0))
     }
 
     /// Drag at a speed, rad/s, for that consistency, signed like the speed, N m.
     #[inline]
     pub(crate) fn torque(&self, consistency: f64, w: f64) -> f64 {
-        if self.exponent == 1.0 {
-            return consistency * w;
-        }
-        consistency * w * (w * w + STRAIGHT_RAD_S * STRAIGHT_RAD_S).powf(0.5 * (self.exponent - 1.0))
+        self.coefficient(consistency, w) * w
     }
 
     /// Steepest slope of the drag over the speed, at rest, N m s/rad.

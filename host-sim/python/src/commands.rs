@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use analysis::plot::Figure;
-use analysis::simulate::{Summary, figure, record};
+use analysis::simulate::{Summary, figure};
 use lab::Error;
 use lab::cli::{compare as compare_command, simulate as simulate_command, tune as tune_command};
 use lab::output::formats;
@@ -25,8 +25,8 @@ fn svg(figure: &Figure) -> Result<String, Error> {
 pub fn simulate(py: Python<'_>, words: Vec<String>) -> PyResult<(Table, String, String)> {
     let (recording, summary, picture) = done(py, None, move || {
         let run = parsed::<simulate_command::Args>(&words)?.simulate()?;
-        let picture = svg(&figure(&run.rows))?;
-        Ok((record("simulated", &run.rows), Summary::of(&run.rows, run.period_s).to_string(), picture))
+        let picture = svg(&figure(&run.rows, run.damper))?;
+        Ok((run.recording("simulated"), Summary::of(&run.rows, run.period_s).to_string(), picture))
     })?;
     Ok((Table::new(&recording.columns())?, summary, picture))
 }

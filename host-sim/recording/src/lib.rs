@@ -55,7 +55,7 @@ pub use mapping::{MappedColumn, Mapping};
 pub use mode::Mode;
 pub use nearest::nearest;
 pub use position_step::position_step;
-pub use recording::{Cells, Recording};
+pub use recording::{BESIDE_THE_LAW, Cells, Recording};
 pub use table::Table;
 pub use values::Cell;
 pub use wrap::{Wrap, wrap};

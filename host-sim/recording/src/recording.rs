@@ -54,6 +54,9 @@ pub struct Recording {
     pub extra: Vec<(String, Vec<String>)>,
 }
 
+/// The column of a simulation that names what stood beside the flashed law and replaced its commands.
+pub const BESIDE_THE_LAW: &str = "mode_beside_the_law";
+
 /// The cells of one column, as [`Recording::columns`] lists them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Cells<'a> {
@@ -130,6 +133,12 @@ impl Recording {
         }
     }
 
+    /// The mode of `simulate --mode` that commanded, in place of the flashed law; none for a recording of the law itself.
+    pub fn mode_beside_the_law(&self) -> Option<&str> {
+        let (_, cells) = self.extra.iter().find(|(name, _)| name == BESIDE_THE_LAW)?;
+        Some(cells.first().map_or("unknown", String::as_str))
+    }
+
     /// Number of rows, at least one.
     pub fn rows(&self) -> usize {
         self.t_s.len()
@@ -142,6 +151,7 @@ impl Recording {
         let mut notes: Vec<_> = self
             .extra
             .iter()
+            .filter(|(name, _)| name != BESIDE_THE_LAW)
             .map(|(name, _)| {
                 let hint = misspelt(name, known).map_or_else(String::new, |near| {
                     let unit = units::other_unit(name, near);
@@ -150,6 +160,9 @@ impl Recording {
                 format!("{}: column `{name}` is not one of the format and is not used{hint}", self.name)
             })
             .collect();
+        if let Some(mode) = self.mode_beside_the_law() {
+            notes.push(format!("{}: the mode `{mode}` commanded, not the flashed law", self.name));
+        }
         if !self.gaps.is_empty() {
             let count = self.gaps.len();
             // Time counts from another zero than in the log where that is mapped; rows are the same in both.

@@ -65,12 +65,17 @@ impl std::fmt::Display for Replay {
 /// Replays a recording through the law built from `config`.
 ///
 /// # Errors
-/// A configuration the law refuses, a linear axis, or a recording without reference.
+/// A configuration the law refuses, a linear axis, a recording without reference, or one that another than the law commanded.
 pub fn replay(recording: &Recording, config: &Config) -> Result<Replay, Error> {
     let about = |message: String| Error::Usage(format!("{}: {message}", recording.name));
     let params = Params::new(config).map_err(|error| about(format!("[controller] {error}")))?;
     if recording.axis != AxisKind::Rotary {
         return Err(about("the control law is that of a rotary axis; leave [controller] out".to_owned()));
+    }
+    if let Some(mode) = recording.mode_beside_the_law() {
+        return Err(about(format!(
+            "the mode `{mode}` commanded, which the flashed law does not have: a replay to the bit does not apply"
+        )));
     }
     let Some(reference) = &recording.reference else {
         return Err(about("replay needs the column reference_rad".to_owned()));

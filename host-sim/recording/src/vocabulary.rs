@@ -267,6 +267,17 @@ pub const EFFECTS: &[EffectKind] = &[
     },
     once("temperature_yield", &[same("yield_per_j", "1/J", Allowed::AtLeastZero), COOLING]),
     once("field_kinetics", &[same("rise_exponent", "1", EXPONENTS), same("fall_exponent", "1", EXPONENTS)]),
+    once(
+        "er_flow",
+        &[
+            by_axis(
+                ["consistency_nm_per_kv_mm", "N m (s/rad)^n/(kV/mm)"],
+                ["consistency_n_per_kv_mm", "N (s/m)^n/(kV/mm)"],
+                Allowed::AtLeastZero,
+            ),
+            same("flow_exponent", "1", Allowed::Between(0.1, 1.0)),
+        ],
+    ),
 ];
 
 #[cfg(test)]

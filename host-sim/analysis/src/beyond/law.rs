@@ -10,6 +10,8 @@ use crate::paper::case::COULOMB_NM;
 pub struct Mode {
     /// In tables.
     pub name: &'static str,
+    /// On the command line and in recordings.
+    pub key: &'static str,
     /// The field is asked for the state at which it acts, and its lag inverted.
     pub leads: bool,
     /// The PD law takes the state at which its torque acts.
@@ -36,8 +38,32 @@ const FADES_S: f64 = 0.005;
 
 impl Mode {
     /// The flashed law as it is.
-    pub const PAPER: Self =
-        Self { name: "the paper's law", leads: false, predicts: false, smooth: false, steady_brake: false, gains: 1.0 };
+    pub const PAPER: Self = Self {
+        name: "the paper's law",
+        key: "paper",
+        leads: false,
+        predicts: false,
+        smooth: false,
+        steady_brake: false,
+        gains: 1.0,
+    };
+
+    /// How many things it has beyond the paper's law.
+    #[must_use]
+    pub fn parts(&self) -> usize {
+        let parts = [self.leads, self.predicts, self.smooth, self.steady_brake, self.gains != 1.0];
+        parts.iter().filter(|part| **part).count()
+    }
+
+    /// Whether it has all that `other` has beyond the paper's law.
+    #[must_use]
+    pub fn has(&self, other: &Self) -> bool {
+        (self.leads || !other.leads)
+            && (self.predicts || !other.predicts)
+            && (self.smooth || !other.smooth)
+            && (self.steady_brake || !other.steady_brake)
+            && (other.gains == 1.0 || self.gains == other.gains)
+    }
 
     /// Parameters of the flashed law under this mode.
     #[must_use]
@@ -72,9 +98,8 @@ impl Beside {
 
     /// Replaces the commands of one period.
     pub(super) fn tick(&mut self, reference: Counts, outputs: &mut Outputs) {
-        if self.mode == (Mode { name: self.mode.name, gains: self.mode.gains, ..Mode::PAPER })
-            || outputs.supervisor != Supervisor::Running
-        {
+        let Mode { name, key, gains, .. } = self.mode;
+        if self.mode == (Mode { name, key, gains, ..Mode::PAPER }) || outputs.supervisor != Supervisor::Running {
             return;
         }
         self.observer.correct(outputs.position.to_rad());

@@ -3,10 +3,11 @@
 use er_servo::{Config, Counts};
 use plant::{Er, FieldResponse, FluidResponse, Model};
 
-use super::law::{Beside, Mode};
+use super::law::Mode;
 use super::model::{DEAD_TIME_S, LAG_S};
+use super::run;
 use crate::paper::case::{A, B, COULOMB_NM, DELAY_S, PUSH, STEP_RAD};
-use crate::simulate::{Disturbance, Row, Setup, run_beside};
+use crate::simulate::{Disturbance, Row, Setup};
 use recording::Error;
 
 /// Small step, rad: slow all the way, so that the damper decides.
@@ -51,31 +52,30 @@ impl Figures {
 }
 
 /// Runs of a mode on a machine whose delays (motor, dead time, lag) are those it was told times `factors`.
-pub(super) fn runs(mode: &Mode, config: &Config, factors: [f64; 3]) -> Result<[Vec<Row>; 3], Error> {
+pub(super) fn runs(mode: &Mode, factors: [f64; 3]) -> Result<[Vec<Row>; 3], Error> {
     let [motor, dead, lag] = factors;
     let response = FluidResponse::Field(FieldResponse::new(DEAD_TIME_S * dead, LAG_S * lag));
     let er = Er { response, ..Er::new(A, B, 0.0, 0.0) };
     let model = Model { er: Some(er), torque_delay_s: DELAY_S * motor, ..Model::paper() };
-    let run = |step_rad: f64, disturbances: Vec<Disturbance>| {
+    let one = |step_rad: f64, disturbances: Vec<Disturbance>| {
         let setup = Setup {
             model: model.clone(),
-            config: *config,
+            config: Config::default(),
             disturbances,
             sensor_noise_rad: 0.0,
             torque_noise_nm: 0.0,
             seed: 0,
         };
-        let mut beside = Beside::new(*mode, config).map_err(|error| Error::Usage(error.to_string()))?;
-        let ticks = (RUN_S / f64::from(config.period_s)) as usize;
+        let ticks = (RUN_S / f64::from(setup.config.period_s)) as usize;
         let reference = std::iter::repeat_n(Counts::from_rad(step_rad), ticks);
-        run_beside(&setup, reference, |reference, outputs| beside.tick(reference, outputs))
+        run(mode, &setup, reference)
     };
-    Ok([run(STEP_RAD, Vec::new())?, run(SMALL_RAD, Vec::new())?, run(0.0, vec![PUSH])?])
+    Ok([one(STEP_RAD, Vec::new())?, one(SMALL_RAD, Vec::new())?, one(0.0, vec![PUSH])?])
 }
 
-pub(super) fn figures(mode: &Mode, config: &Config, factors: [f64; 3]) -> Result<Figures, Error> {
-    let runs = runs(mode, config, factors)?;
-    let period_s = f64::from(config.period_s);
+pub(super) fn figures(mode: &Mode, factors: [f64; 3]) -> Result<Figures, Error> {
+    let runs = runs(mode, factors)?;
+    let period_s = f64::from(Config::default().period_s);
     let error = |row: &Row| row.reference.to_rad() - row.truth.position;
     let settled_ms = |rows: &[Row], band_rad: f64| {
         let outside = rows.iter().rposition(|row| error(row).abs() > band_rad);

@@ -18,9 +18,13 @@ mod measure;
 mod model;
 mod report;
 
-use er_servo::Config;
+use er_servo::Counts;
+use plant::{Er, FluidResponse, Model};
 use rayon::prelude::*;
 
+use crate::paper::case::{A, B};
+use crate::simulate::{Row, Setup, run_beside};
+use law::Beside;
 pub use law::Mode;
 pub use measure::{Figures, LINES};
 use recording::Error;
@@ -29,17 +33,59 @@ use recording::Error;
 pub const UNCERTAINTY: f64 = 0.36;
 
 /// What is compared, the paper's law first.
-pub const MODES: [Mode; 9] = [
+pub const MODES: [Mode; 10] = [
     Mode::PAPER,
-    Mode { name: "field lead", leads: true, ..Mode::PAPER },
-    Mode { name: "predictor", predicts: true, ..Mode::PAPER },
-    Mode { name: "predictor, gains x 1.25", predicts: true, gains: 1.25, ..Mode::PAPER },
-    Mode { name: "smooth Q", smooth: true, ..Mode::PAPER },
-    Mode { name: "steady brake", steady_brake: true, ..Mode::PAPER },
-    Mode { name: "predictor, lead, gains x 1.25", predicts: true, leads: true, gains: 1.25, ..Mode::PAPER },
-    Mode { name: "all", leads: true, predicts: true, smooth: true, steady_brake: true, gains: 1.0 },
-    Mode { name: "all, gains x 1.25", leads: true, predicts: true, smooth: true, steady_brake: true, gains: 1.25 },
+    Mode { name: "gains x 1.25", key: "gains-1.25", gains: 1.25, ..Mode::PAPER },
+    Mode { name: "field lead", key: "lead", leads: true, ..Mode::PAPER },
+    Mode { name: "predictor", key: "predictor", predicts: true, ..Mode::PAPER },
+    Mode { name: "predictor, gains x 1.25", key: "predictor-gains-1.25", predicts: true, gains: 1.25, ..Mode::PAPER },
+    Mode { name: "smooth Q", key: "smooth-q", smooth: true, ..Mode::PAPER },
+    Mode { name: "steady brake", key: "steady-brake", steady_brake: true, ..Mode::PAPER },
+    Mode {
+        name: "predictor, lead, gains x 1.25",
+        key: "predictor-lead-gains-1.25",
+        predicts: true,
+        leads: true,
+        gains: 1.25,
+        ..Mode::PAPER
+    },
+    ALL,
+    Mode { name: "all, gains x 1.25", key: "all-gains-1.25", gains: 1.25, ..ALL },
 ];
+
+/// Every part with the paper's gains.
+const ALL: Mode =
+    Mode { name: "all", key: "all", leads: true, predicts: true, smooth: true, steady_brake: true, ..Mode::PAPER };
+
+/// The mode of that key.
+#[must_use]
+pub fn find(key: &str) -> Option<&'static Mode> {
+    MODES.iter().find(|mode| mode.key == key)
+}
+
+/// Runs a closed loop under a mode: the flashed law with the mode's gains, and what the mode puts in the place of its commands.
+///
+/// The mode is told the paper's machine, whatever machine `setup` is: [`is_told`] tells whether that is the same.
+///
+/// # Errors
+/// A value the law or the plant does not take; a fluid whose viscosity is delayed, which no mode commands.
+pub fn run(mode: &Mode, setup: &Setup, reference: impl IntoIterator<Item = Counts>) -> Result<Vec<Row>, Error> {
+    let er = setup.model.er.as_ref();
+    if er.is_some_and(|er| !matches!(er.response, FluidResponse::Field(_))) {
+        let message = "a mode commands a field, and this fluid delays a viscosity that the law asks for";
+        return Err(Error::Usage(message.to_owned()));
+    }
+    let setup = Setup { config: mode.config(&setup.config), ..setup.clone() };
+    let mut beside = Beside::new(*mode, &setup.config).map_err(|error| Error::Usage(error.to_string()))?;
+    run_beside(&setup, reference, |reference, outputs| beside.tick(reference, outputs))
+}
+
+/// Whether a machine is the one that the modes are told: rotor, friction, damper and delays of the paper's.
+#[must_use]
+pub fn is_told(machine: &Model) -> bool {
+    let told = Model { er: Some(Er::new(A, B, model::DEAD_TIME_S, model::LAG_S)), ..Model::paper() };
+    *machine == told
+}
 
 /// One mode with its figures.
 #[derive(Debug, Clone, PartialEq)]
@@ -59,13 +105,25 @@ pub struct Comparison {
     pub entries: Vec<Entry>,
 }
 
+impl Comparison {
+    /// The mode that is no worse than the paper's law on any line and better on most, of several the one with fewest parts; none
+    /// where each costs something.
+    #[must_use]
+    pub fn winner(&self) -> Option<&Entry> {
+        let rank = |entry: &&Entry| {
+            let (lost, won) = self.against_paper(entry.nominal, entry.worst);
+            (lost.is_empty() && won > 0).then_some((won, usize::MAX - entry.mode.parts()))
+        };
+        self.entries.iter().skip(1).filter(|entry| rank(entry).is_some()).max_by_key(rank)
+    }
+}
+
 /// Runs every mode with the delays it was told and with delays that are off.
 ///
 /// # Errors
 /// A value the law or the plant does not take.
 pub fn compare() -> Result<Comparison, Error> {
     let entry = |mode: &Mode| {
-        let config = mode.config(&Config::default());
         let factors = [1.0 - UNCERTAINTY, 1.0, 1.0 + UNCERTAINTY];
         let mut places = Vec::new();
         for motor in factors {
@@ -73,7 +131,7 @@ pub fn compare() -> Result<Comparison, Error> {
                 places.extend(factors.map(|lag| [motor, dead, lag]));
             }
         }
-        let figures = places.into_par_iter().map(|factors| measure::figures(mode, &config, factors));
+        let figures = places.into_par_iter().map(|factors| measure::figures(mode, factors));
         let figures = figures.collect::<Result<Vec<_>, Error>>()?;
         let worst = figures.iter().copied().reduce(Figures::worst).unwrap_or_default();
         // The middle of the grid is where no delay is off.

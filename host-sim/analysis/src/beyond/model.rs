@@ -5,6 +5,7 @@ use std::collections::VecDeque;
 use er_servo::Config;
 
 use crate::paper::case::{A, B, COULOMB_NM, DELAY_S, INERTIA_KG_M2};
+use crate::simulate;
 
 /// Dead time and lag of the field that the modes are told, s.
 pub(super) const DEAD_TIME_S: f64 = 0.002;
@@ -46,8 +47,7 @@ pub(super) fn torque_nm(field_kv_mm: f64) -> f64 {
 
 /// The field of that torque, kV/mm.
 pub(super) fn field_kv_mm(torque_nm: f64) -> f64 {
-    let half = B / (2.0 * A);
-    (half * half + torque_nm.max(0.0) / A).sqrt() - half
+    simulate::field_kv_mm((A, B), torque_nm.max(0.0))
 }
 
 /// What will happen: the state when a field commanded now begins to act, with the field that acts then, and the state when

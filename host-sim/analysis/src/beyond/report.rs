@@ -2,10 +2,8 @@
 
 use std::fmt::Write;
 
-use er_servo::Config;
-
 use super::measure::{Figures, LINES, runs};
-use super::{Comparison, MODES, Mode, UNCERTAINTY};
+use super::{Comparison, Mode, UNCERTAINTY};
 use crate::plot::{Figure, Mark, Panel, Series, Stroke};
 use crate::simulate::Row;
 use recording::Error;
@@ -17,7 +15,7 @@ fn worse(figure: f64, paper: f64) -> bool {
 
 impl Comparison {
     /// Lines on which a mode is worse than the paper's law, nominal and worst, and on how many better.
-    fn against_paper(&self, nominal: Figures, worst: Figures) -> (Vec<&'static str>, usize) {
+    pub(super) fn against_paper(&self, nominal: Figures, worst: Figures) -> (Vec<&'static str>, usize) {
         let Some(paper) = self.entries.first() else { return (Vec::new(), 0) };
         let (mut lost, mut won) = (Vec::new(), 0);
         for (line, name) in LINES.iter().enumerate() {
@@ -64,23 +62,41 @@ impl Comparison {
             let _ = writeln!(text, "| {name} | {} |", cells.join(" | "));
         }
         text.push('\n');
+        if let Some(entry) = self.winner() {
+            let _ = writeln!(text, "Won: {} (`servo-lab simulate --mode {}`).\n", entry.mode.name, entry.mode.key);
+        }
         text += &self.verdicts().iter().map(|line| format!("- {line}\n")).collect::<String>();
         text
     }
 
-    /// Error of the small step and under the push, and the field, of the paper's law, of each part and of all together.
+    /// The paper's law, each part of the winner alone, and the winner; without a winner every part.
+    fn shown(&self) -> Vec<&Mode> {
+        let winner = self.winner().map(|entry| entry.mode);
+        let shown = |mode: &&Mode| match winner {
+            _ if mode.parts() == 0 => true,
+            Some(winner) => **mode == winner || (mode.parts() == 1 && winner.has(mode)),
+            None => mode.parts() == 1,
+        };
+        self.entries.iter().map(|entry| &entry.mode).filter(shown).collect()
+    }
+
+    /// Error of both steps and under the push, and the field, of the paper's law, of each part of the winner and of the winner.
     ///
     /// # Errors
     /// A value the law or the plant does not take.
     pub fn figure(&self) -> Result<Figure, Error> {
-        let shown = [&MODES[0], &MODES[1], &MODES[2], &MODES[7]];
-        let all: Vec<(&Mode, [Vec<Row>; 3])> = shown
-            .into_iter()
-            .map(|mode| Ok((mode, runs(mode, &mode.config(&Config::default()), [1.0; 3])?)))
-            .collect::<Result<_, Error>>()?;
-        let strokes = [Stroke::Dotted, Stroke::Dashed, Stroke::DashDot, Stroke::Solid];
+        let shown = self.shown();
+        let all: Vec<(&Mode, [Vec<Row>; 3])> =
+            shown.into_iter().map(|mode| Ok((mode, runs(mode, [1.0; 3])?))).collect::<Result<_, Error>>()?;
+        let won = self.winner().map(|entry| entry.mode);
+        let stroke = |index: usize, mode: &Mode| match index {
+            _ if won == Some(*mode) => Stroke::Solid,
+            0 => Stroke::Dotted,
+            _ => [Stroke::Dashed, Stroke::DashDot][index % 2],
+        };
         let panel = |label: &str, run: usize, until_s: f64, value: fn(&Row) -> f64| {
-            let series = all.iter().zip(strokes).map(|((mode, runs), stroke)| {
+            let series = all.iter().enumerate().map(|(index, (mode, runs))| {
+                let stroke = stroke(index, mode);
                 let rows = runs[run].iter().filter(|row| row.t_s <= until_s);
                 Series::new(mode.name, Mark::Line, rows.map(|row| (row.t_s, value(row)))).with(stroke)
             });

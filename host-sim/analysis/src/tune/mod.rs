@@ -9,6 +9,7 @@
 //! of a quantised, sampled loop and ends at constraints; a simplex or gradient method stalls there, two variables need
 //! no better method, and the grid is the trade-off curve.
 
+pub mod beside;
 pub mod cycles;
 pub mod guarantee;
 mod report;

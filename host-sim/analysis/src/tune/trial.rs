@@ -3,7 +3,8 @@
 use er_servo::{Config, Counts, Params, RAD_PER_COUNT};
 use plant::{FieldResponse, FluidResponse, Model};
 
-use crate::simulate::{Disturbance, Setup, Summary, run};
+use crate::beyond::{self, Mode};
+use crate::simulate::{Disturbance, Row, Setup, Summary, run};
 use crate::stability::Gains;
 use recording::Error;
 
@@ -82,11 +83,21 @@ pub(super) fn delayed(model: &Model, factor: f64) -> Model {
     model
 }
 
+/// The flashed law, or a mode in its place.
+fn rows(mode: Option<&Mode>, setup: &Setup, reference: Counts, duration_s: f64) -> Result<Vec<Row>, Error> {
+    let ticks = (duration_s / f64::from(setup.config.period_s)) as usize;
+    let reference = std::iter::repeat_n(reference, ticks);
+    match mode {
+        None => run(setup, reference),
+        Some(mode) => beyond::run(mode, setup, reference),
+    }
+}
+
 /// One step: settling, s, and overshoot; none if it does not settle or the drive trips.
-fn step(setup: &Setup, step_rad: f64, steps: &Steps) -> Result<Option<(f64, f64)>, Error> {
+fn step(mode: Option<&Mode>, setup: &Setup, step_rad: f64, steps: &Steps) -> Result<Option<(f64, f64)>, Error> {
     let period_s = f64::from(setup.config.period_s);
     let duration_s = (0.3 + 100.0 * setup.model.torque_delay_s).min(3.0);
-    let rows = run(setup, std::iter::repeat_n(Counts::from_rad(step_rad), (duration_s / period_s) as usize))?;
+    let rows = rows(mode, setup, Counts::from_rad(step_rad), duration_s)?;
     let summary = Summary::of(&rows, period_s);
     let band_rad = steps.tolerance_rad.max(0.02 * step_rad);
     let last = rows.iter().rposition(|row| (step_rad - row.truth.position).abs() > band_rad);
@@ -106,6 +117,20 @@ fn step(setup: &Setup, step_rad: f64, steps: &Steps) -> Result<Option<(f64, f64)
 /// # Errors
 /// A model the plant does not take.
 pub fn trial(model: &Model, config: &Config, uncertainty: f64, steps: &Steps) -> Result<Option<Trial>, Error> {
+    trial_of(None, model, config, uncertainty, steps)
+}
+
+/// The same of a mode beside the law, whose gains are those of `config` times the mode's factor.
+///
+/// # Errors
+/// As [`trial`].
+pub(super) fn trial_of(
+    mode: Option<&Mode>,
+    model: &Model,
+    config: &Config,
+    uncertainty: f64,
+    steps: &Steps,
+) -> Result<Option<Trial>, Error> {
     if Params::new(config).is_err() {
         return Ok(None);
     }
@@ -114,7 +139,7 @@ pub fn trial(model: &Model, config: &Config, uncertainty: f64, steps: &Steps) ->
     for factor in [1.0, 1.0 + uncertainty, 1.0 - uncertainty] {
         let setup = setup(delayed(model, factor), config, Vec::new());
         for (settling_s, step_rad) in settling_s.iter_mut().zip([steps.large_rad, steps.small_rad]) {
-            let Some((settled_s, over)) = step(&setup, step_rad, steps)? else { return Ok(None) };
+            let Some((settled_s, over)) = step(mode, &setup, step_rad, steps)? else { return Ok(None) };
             overshoot = overshoot.max(over);
             if overshoot > steps.overshoot {
                 return Ok(None);
@@ -124,14 +149,13 @@ pub fn trial(model: &Model, config: &Config, uncertainty: f64, steps: &Steps) ->
             }
         }
     }
-    Ok(Some(Trial { settling_s, overshoot, push_rad: push_rad(model, config)? }))
+    Ok(Some(Trial { settling_s, overshoot, push_rad: push_rad(mode, model, config)? }))
 }
 
 /// The push of control.md section 7.
-fn push_rad(model: &Model, config: &Config) -> Result<f64, Error> {
+fn push_rad(mode: Option<&Mode>, model: &Model, config: &Config) -> Result<f64, Error> {
     let push = Disturbance { start_s: 0.0, duration_s: 0.05, torque_nm: 8.0 };
-    let ticks = (0.2 / f64::from(config.period_s)) as usize;
-    let rows = run(&setup(model.clone(), config, vec![push]), std::iter::repeat_n(Counts(0), ticks))?;
+    let rows = rows(mode, &setup(model.clone(), config, vec![push]), Counts(0), 0.2)?;
     Ok(rows.iter().map(|row| row.truth.position.abs()).fold(0.0, f64::max))
 }
 

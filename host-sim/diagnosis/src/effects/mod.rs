@@ -10,6 +10,7 @@ mod compliance;
 mod coulomb_friction;
 mod disturbance_pulse;
 mod er_drift;
+mod er_flow;
 mod er_preyield;
 mod er_strength;
 mod field_dead_time;
@@ -333,7 +334,7 @@ pub(crate) fn amplitude_order_phase(values: &[f64]) -> Vec<f64> {
 }
 
 /// The whole vocabulary, in the order of the specification; `controller` is not fitted but replayed.
-pub static VOCABULARY: [&Effect; 40] = [
+pub static VOCABULARY: [&Effect; 41] = [
     &channel_skew::EFFECT,
     &torque_filter::EFFECT,
     &field_dead_time::EFFECT,
@@ -374,6 +375,7 @@ pub static VOCABULARY: [&Effect; 40] = [
     &torque_ripple::EFFECT,
     &temperature_yield::EFFECT,
     &field_kinetics::EFFECT,
+    &er_flow::EFFECT,
 ];
 
 /// The effect of that identifier.

@@ -36,6 +36,8 @@ pub(crate) struct OfFluid {
     pub(crate) level: Vec<f64>,
     /// Viscous coefficient, N m s/rad (N s/m); empty where the fluid has none.
     pub(crate) viscosity: Vec<f64>,
+    /// Consistency of the flow curve, N m (s/rad)^n; empty where the fluid has none.
+    pub(crate) consistency: Vec<f64>,
 }
 
 /// All that the drive's half depends on.
@@ -214,7 +216,7 @@ impl OfDrive {
 
 impl OfFluid {
     fn new(cause: &CauseOfFluid, recorded: &Recorded, grid: &Grid) -> Option<Self> {
-        let mut all = Self { level: Vec::new(), viscosity: Vec::new() };
+        let mut all = Self { level: Vec::new(), viscosity: Vec::new(), consistency: Vec::new() };
         let Some(er) = &cause.model.er else { return Some(all) };
         // The drive's torque would only split the segments.
         let commands: Vec<Command> = recorded.commands.iter().map(|one| Command { torque: 0.0, ..*one }).collect();
@@ -222,12 +224,17 @@ impl OfFluid {
         let (a, b) = er.acting();
         let drift = |t_s: f64| (1.0 + er.drift_per_s * t_s).max(0.0);
         let (segments, shift_s) = (timeline.segments(), cause.shift_s);
-        if matches!(er.response, FluidResponse::Field(_)) {
-            let level = |segment: &Segment, from_s: f64, to_s: f64| {
-                let field = segment.fluid.at(0.5 * (from_s + to_s));
-                [(a * field + b) * field]
+        if let FluidResponse::Field(field) = er.response {
+            let both = |segment: &Segment, from_s: f64, to_s: f64| {
+                let acting = segment.fluid.at(0.5 * (from_s + to_s));
+                [(a * acting + b) * acting, field.flow.map_or(0.0, |curve| curve.at(er.field_gain * acting))]
             };
-            means(segments, shift_s, recorded, grid, level, |t_s, [level]| all.level.push(drift(t_s) * level));
+            means(segments, shift_s, recorded, grid, both, |t_s, [level, consistency]| {
+                all.level.push(drift(t_s) * level);
+                if field.flow.is_some() {
+                    all.consistency.push(drift(t_s) * consistency);
+                }
+            });
         } else {
             let both = |segment: &Segment, from_s: f64, to_s: f64| {
                 let middle_s = 0.5 * (from_s + to_s);

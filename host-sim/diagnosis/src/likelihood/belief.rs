@@ -12,10 +12,11 @@ mod covariance;
 mod tests;
 
 use plant::effects::Warming;
+use plant::er_fluid::FlowCurve;
 use plant::laws::{Friction, PositionTorque, Ripple, ShaftLaw};
 use plant::{FluidResponse, Model};
 
-use super::acting::Acting;
+use super::acting::{Acting, OfFluid};
 use super::gaussian::{dry_friction, soft_threshold};
 pub(crate) use covariance::Linear;
 
@@ -43,6 +44,8 @@ pub(crate) struct Laws {
     fluid_warming: Option<(Warming, usize)>,
     /// Limit of the fluid's viscous torque, N m.
     viscous_limit: f64,
+    /// The fluid's flow on top of its yield.
+    flow: Option<FlowCurve>,
     pub(super) inertia: f64,
     per_inertia: f64,
     /// Number of states.
@@ -58,6 +61,8 @@ pub(crate) struct Substep {
     pub(crate) drive: f64,
     pub(crate) level: f64,
     pub(crate) viscosity: f64,
+    /// Consistency of the fluid's flow.
+    pub(crate) consistency: f64,
 }
 
 impl Substep {
@@ -65,7 +70,8 @@ impl Substep {
     pub(crate) fn of(acting: &Acting, index: usize, dt_s: f64) -> Self {
         let at = |values: &[f64]| values.get(index).copied().unwrap_or(0.0);
         let (torque, drive) = (acting.drive.torque[index], acting.drive.drive[index]);
-        Self { dt_s, torque, drive, level: at(&acting.fluid.level), viscosity: at(&acting.fluid.viscosity) }
+        let OfFluid { level, viscosity, consistency } = &*acting.fluid;
+        Self { dt_s, torque, drive, level: at(level), viscosity: at(viscosity), consistency: at(consistency) }
     }
 }
 
@@ -199,6 +205,10 @@ impl Laws {
         let spring = er.as_ref().and_then(|er| er.preyield_stiffness).map(|stiffness| (stiffness, place(1)));
         let friction_warming = viscous_warming.map(|warming| (warming, place(1)));
         let fluid_warming = er.as_ref().and_then(|er| er.warming).map(|warming| (warming, place(1)));
+        let flow = er.as_ref().and_then(|er| match er.response {
+            FluidResponse::Field(field) => field.flow,
+            _ => None,
+        });
         let viscous_limit = match er.as_ref().map(|er| er.response) {
             Some(
                 FluidResponse::ViscosityDeadTime { torque_limit, .. }
@@ -220,6 +230,7 @@ impl Laws {
             bristle,
             twist,
             viscous_limit,
+            flow,
             states,
         }
     }
@@ -278,9 +289,11 @@ impl Laws {
         let half = 0.5 * dt_s * per_inertia;
         let held = half * (level + dry(sign) + if self.spring.is_some() { 0.0 } else { fluid_level });
         // What bends over speed is taken at the speed in the middle of the substep.
-        let sliding = w + half * (torque - viscous * w);
+        let consistency = fluid_share * step.consistency;
+        let flow = |speed: f64| self.flow.map_or(0.0, |curve| curve.coefficient(consistency, speed));
+        let sliding = w + half * (torque - (viscous + flow(w)) * w);
         let between = if sliding.abs() > held { sliding - held.copysign(sliding) } else { 0.0 };
-        viscous += self.friction.quadratic_coefficient() * between.abs();
+        viscous += self.friction.quadratic_coefficient() * between.abs() + flow(between);
         let decay = viscous * per_inertia * dt_s;
         let share = share_of_decay(decay);
         let (kept, gain) = (1.0 - decay.max(0.0) * share, share * dt_s * per_inertia);

@@ -2,10 +2,13 @@
 
 use std::path::PathBuf;
 
+use clap::builder::PossibleValuesParser;
 use er_servo::experiment::{Experiment, MAX_TONES, Shape};
 
 use super::Overwrite;
 use super::machine::MachineArgs;
+use crate::beyond::{self, MODES};
+use crate::read::{BESIDE_THE_LAW, Recording};
 use crate::simulate::{
     Disturbance, Reference, Row, Scenario, Setup, Summary, figure, period_s, record, run as run_loop,
 };
@@ -78,7 +81,11 @@ pub struct Args {
     /// The brake also holds at rest.
     #[arg(long)]
     hold: bool,
-    /// Draw position, error, speed, torque and field.
+    /// Control beside the flashed law, as `paper --beyond` compares it; it is told the delays, the friction and the damper of the
+    /// paper's servo, and is not in the firmware.
+    #[arg(long, value_name = "NAME", value_parser = PossibleValuesParser::new(MODES.map(|mode| mode.key)))]
+    mode: Option<String>,
+    /// Draw position, error, speed, torque and field, commanded and acting.
     #[arg(long, value_name = "FILE.svg")]
     plot: Option<PathBuf>,
     /// Recording to write, .csv, .parquet or .mcap; without one, only the summary is printed.
@@ -118,14 +125,15 @@ pub fn run(args: &Args) -> Result<(), Error> {
     let out = args.out.as_ref().map(|file| files.writes(file));
     let plot = args.plot.as_ref().map(|file| files.writes(file));
     let mut outputs = files.check()?;
-    let Simulated { rows, period_s } = args.simulate()?;
+    let run = args.simulate()?;
+    let Simulated { rows, period_s, damper, .. } = &run;
     if let Some(out) = out {
         let file = outputs.file(out).to_path_buf();
         let name = file.file_name().unwrap_or_default().to_string_lossy();
-        outputs.recording(out, &record(&name, &rows))?;
+        outputs.recording(out, &run.recording(&name))?;
     }
     if let Some(plot) = plot {
-        output::figure(&mut outputs, plot, &figure(&rows))?;
+        output::figure(&mut outputs, plot, &figure(rows, *damper))?;
     }
     outputs.finish()?;
     if let Some(out) = out {
@@ -135,7 +143,7 @@ pub fn run(args: &Args) -> Result<(), Error> {
     if let Some(plot) = plot {
         output::print(&format!("wrote {}\n", outputs.file(plot).display()))?;
     }
-    output::print(&Summary::of(&rows, period_s).to_string())?;
+    output::print(&Summary::of(rows, *period_s).to_string())?;
     Ok(())
 }
 
@@ -146,6 +154,19 @@ pub struct Simulated {
     pub rows: Vec<Row>,
     /// s.
     pub period_s: f64,
+    /// a and b of the damper's torque, for [`figure`]; none without one.
+    pub damper: Option<(f64, f64)>,
+    /// Mode that stood beside the flashed law.
+    mode: Option<&'static beyond::Mode>,
+}
+
+impl Simulated {
+    /// What the drive would have logged; a column names the mode that stood beside the law, for no law replays its commands.
+    #[must_use]
+    pub fn recording(&self, name: &str) -> Recording {
+        let beside = self.mode.map(|mode| (BESIDE_THE_LAW.to_owned(), vec![mode.key.to_owned(); self.rows.len()]));
+        Recording { extra: beside.into_iter().collect(), ..record(name, &self.rows) }
+    }
 }
 
 impl Args {
@@ -166,8 +187,15 @@ impl Args {
             seed: u64::from(self.seed),
         };
         let period_s = period_s(&config);
-        let rows = run_loop(&setup, scenario.reference.positions(period_s)?)?;
-        Ok(Simulated { rows, period_s })
+        let damper = setup.model.er.as_ref().map(plant::Er::acting);
+        let mode = self.mode.as_deref().and_then(beyond::find);
+        let reference = scenario.reference.positions(period_s)?;
+        let rows = match mode {
+            None => run_loop(&setup, reference)?,
+            Some(mode) => beyond::run(mode, &setup, reference)
+                .map_err(|error| Error::Usage(format!("--mode {}: {error}", mode.key)))?,
+        };
+        Ok(Simulated { rows, period_s, damper, mode })
     }
 
     /// The law of the machine with what the flags change.

@@ -9,6 +9,7 @@ use super::machine::MachineArgs;
 use crate::output::{Provenance, formats};
 use crate::read::Machine;
 use crate::stability::NormalisedGains;
+use crate::tune::beside::beside;
 use crate::tune::search::SEED;
 use crate::tune::{Demands, Steps, Task, Tuning, figure, machine, summary, tune};
 use crate::{Error, output};
@@ -103,7 +104,8 @@ impl Args {
         let tuning = tune(&task)?;
         let read = self.machine.machine.as_deref().map(Machine::read).transpose()?;
         let machine = machine(&task, &tuning, read);
-        let summary = summary(&task, &tuning);
+        let beyond = beside(&task)?.map_or_else(String::new, |beside| format!("\n{}", beside.text(&task, &tuning)));
+        let summary = summary(&task, &tuning) + &beyond;
         Ok(Tuned { tuning, machine, summary })
     }
 

@@ -55,7 +55,7 @@ const fn another(id: &'static str, at: fn(f64) -> Vec<f64>) -> Sized {
 }
 
 /// All but events and wrong samples, which no experiment brings back. In the order of the vocabulary.
-pub(super) static SIZES: [Sized; 35] = [
+pub(super) static SIZES: [Sized; 36] = [
     sized("field_dead_time", |f| vec![0.002 + 0.003 * f]),
     sized("field_lag", |f| vec![0.003 + 0.005 * f]),
     Sized { told_by: 1, ..sized("field_lag_asymmetry", |f| vec![0.003, 0.003 + 0.009 * f]) },
@@ -92,6 +92,7 @@ pub(super) static SIZES: [Sized; 35] = [
     sized("torque_ripple", |f| vec![14.0, 0.06 * f, 0.05 * f]),
     sized("temperature_yield", |f| vec![0.02 * f, 0.1]),
     sized("field_kinetics", |f| vec![f, f]),
+    sized("er_flow", |f| vec![0.05 * f, 0.5]),
 ];
 
 #[cfg(test)]

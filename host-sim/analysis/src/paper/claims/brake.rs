@@ -5,13 +5,16 @@ use rayon::prelude::*;
 use super::claim::{Claim, Verdict, trim_zeros};
 use crate::paper::case::{Case, Fluid, PUSH, Speed, peak_rad};
 use crate::paper::scan::GAINS_DELAYS_S;
-use crate::simulate::Disturbance;
+use crate::simulate::{Disturbance, Row};
 use recording::Error;
 
 /// Pushes on the rotor at rest, N m; friction holds 0.763.
 const PUSHES_NM: [f64; 4] = [2.0, 4.0, 8.0, 12.0];
 /// Delay models under which the brake must still help.
 const FLUIDS: [Fluid; 5] = [Fluid::None, Fluid::QDead5, Fluid::EDead5, Fluid::ELag5, Fluid::EDead2Lag3];
+
+/// When a rotor with dry friction alone has long come to rest again, and one under the brake has not, after a push, s: the end of Fig. 19.
+const LATER_S: f64 = 0.25;
 
 /// What is left of one push.
 #[derive(Clone, Copy)]
@@ -20,7 +23,9 @@ struct After {
     peak: f64,
     /// From the end of the push until the rotor stays within 1.5 u, ms; none if it does not within the run.
     recovery_ms: Option<f64>,
-    /// Distance from the reference at the end of the run, mrad; in the direction of the push.
+    /// Distance from the reference [`LATER_S`] after the push, mrad; in the direction of the push.
+    later: f64,
+    /// The same at the end of the run.
     residual: f64,
 }
 
@@ -49,7 +54,10 @@ impl Push {
         let one = |after: &After| {
             let recovery =
                 after.recovery_ms.map_or("not back in the run".to_owned(), |ms| format!("back in {ms:.0} ms"));
-            format!("peak {:.2} mrad, {recovery}, rests {:.1} mrad off", after.peak, after.residual)
+            format!(
+                "peak {:.2} mrad, {recovery}, {:.1} mrad off 250 ms after the push, rests {:.1} mrad off",
+                after.peak, after.later, after.residual
+            )
         };
         let (off, damper, brake) = (one(&self.off), one(&self.damper), one(&self.brake));
         format!("L 5 ms, 8 N m, {}: off {off}; damper only {damper}; with brake {brake}", self.fluid.name())
@@ -82,7 +90,8 @@ pub(super) fn claims() -> Result<Vec<Claim>, Error> {
         verdict,
     };
     let recovers = |pushes: &[Push]| pushes.iter().filter(|push| push.recovers()).count();
-    let rest = vec![format!("speed from counts: at {} of {} places", recovers(&flashed), flashed.len())];
+    let rest =
+        vec![format!("speed from counts: at {} of {} places", recovers(&flashed), flashed.len()), after_a_step()?];
     Ok(vec![
         claim(
             "Use as a brake, while moving away near the reference, improves the resistance against disturbances",
@@ -97,6 +106,23 @@ pub(super) fn claims() -> Result<Vec<Claim>, Error> {
             Verdict::of(recovers(&pushes), pushes.len(), "the other way round elsewhere: the brake lets go late"),
         ),
     ])
+}
+
+/// The push of Fig. 19, which hits a rotor that rests where friction holds it after a step, in words.
+fn after_a_step() -> Result<String, Error> {
+    let push = Some(Disturbance { start_s: 0.4, ..PUSH });
+    let case = Case { fluid: Fluid::EDead2Lag3, push, ..Case::PAPER };
+    let brake = after(case)?;
+    let damper = after(Case { brake: false, ..case })?;
+    let off = after(Case { fluid: Fluid::Off, ..case })?;
+    Ok(format!(
+        "Fig. 19, 8 N m for 50 ms at 0.4 s after a step of 30 degrees, {}: at 0.7 s {:.1} mrad from the reference with the brake, {:.1} \
+         with the damper only, {:.1} with the field off",
+        case.fluid.name(),
+        brake.later,
+        damper.later,
+        off.later
+    ))
 }
 
 fn pushes(speed: Speed) -> Result<Vec<Push>, Error> {
@@ -135,8 +161,11 @@ fn after(case: Case) -> Result<After, Error> {
     let rows = case.run()?;
     let period_s = f64::from(case.config().period_s);
     let band_rad = 1.5 * case.friction_error_rad();
-    let end = ((PUSH.start_s + PUSH.duration_s) / period_s) as usize;
-    let outside = rows.iter().rposition(|row| row.truth.position.abs() > band_rad);
+    let push = case.push.unwrap_or(PUSH);
+    let end = ((push.start_s + push.duration_s) / period_s) as usize;
+    let off_rad = |row: &Row| row.truth.position - case.step_rad;
+    let outside = rows.iter().rposition(|row| off_rad(row).abs() > band_rad);
+    let later = (end + (LATER_S / period_s) as usize).min(rows.len().saturating_sub(1));
     Ok(After {
         peak: 1e3 * peak_rad(&rows),
         recovery_ms: match outside {
@@ -144,6 +173,7 @@ fn after(case: Case) -> Result<After, Error> {
             Some(last) => Some(1e3 * period_s * (last + 1).saturating_sub(end) as f64),
             None => Some(0.0),
         },
-        residual: rows.last().map_or(0.0, |row| 1e3 * row.truth.position),
+        later: rows.get(later).map_or(0.0, |row| 1e3 * off_rad(row)),
+        residual: rows.last().map_or(0.0, |row| 1e3 * off_rad(row)),
     })
 }

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::NamedFigure;
 use crate::paper::case::{A, B, Case, Fluid, PUSH, Reading, STEP_RAD, Speed};
 use crate::plot::{Figure, Mark, Panel, Series, Stroke};
-use crate::simulate::{Disturbance, Row};
+use crate::simulate::{Disturbance, Row, field_kv_mm};
 use recording::{Error, Recording};
 
 /// Shown of a step response, s.
@@ -74,8 +74,7 @@ fn error_mrad(row: &Row) -> f64 {
 
 /// The field that acts: that whose a E^2 + b E is the fluid's torque, for a delayed viscosity too.
 fn acting_kv_mm(row: &Row) -> f64 {
-    let half = B / (2.0 * A);
-    (half * half + row.er_torque_nm / A).sqrt() - half
+    field_kv_mm((A, B), row.er_torque_nm)
 }
 
 fn step(file: &'static str, title: &str, runs: &[Run], until_s: f64, measured: Option<&Recording>) -> NamedFigure {

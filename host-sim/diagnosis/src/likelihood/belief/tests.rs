@@ -9,7 +9,7 @@ use super::{BASE, Laws, POSITION, SPEED, Substep};
 const DT_S: f64 = 5e-4;
 
 fn step(torque: f64) -> Substep {
-    Substep { dt_s: DT_S, torque, drive: torque, level: 0.0, viscosity: 0.0 }
+    Substep { dt_s: DT_S, torque, drive: torque, level: 0.0, viscosity: 0.0, consistency: 0.0 }
 }
 
 #[test]
