@@ -221,7 +221,9 @@ fn a_mode_beside_the_law_is_named_in_the_recording_and_not_replayed() {
         refused(at, &format!("replay lead.{extension}"), &message);
     }
     assert!(printed(at, "simulate --help").contains("predictor-lead-gains-1.25"));
-    refused(at, "simulate --mode leads", "lead");
+    let unknown = lab(at, "simulate --mode leads");
+    assert_eq!(unknown.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&unknown.stderr).contains("a similar value exists: 'lead'"));
     refused(at, "simulate --mode lead --fluid q --lag-ms 5", "--mode lead: a mode commands a field");
 }
 
