@@ -9,14 +9,12 @@ use std::path::Path;
 use analysis::simulate::{Reference, Setup, record, run};
 use common::{PERIOD_S, field, paper, setup};
 use diagnosis::effects::VOCABULARY;
-use diagnosis::physics::Physics;
-use diagnosis::pipeline::diagnose;
-use diagnosis::problem::Problem;
-use diagnosis::recorded::Recorded;
 use er_servo::Config;
 use er_servo::experiment::{Experiment, Shape};
+use lab::conclude;
 use lab::delays::{Answer, Candidate, Request, Verdict, answer, figure};
 use lab::read::{Machine, Recording};
+use lab::report;
 use plant::{Er, FluidResponse};
 
 /// Noise of a recording that tells little: three steps of the sensor, and ten times the torque noise of the other tests.
@@ -139,15 +137,41 @@ fn the_proposed_experiment_leaves_whichever_model_is_true() {
     }
 }
 
+/// What `diagnose` says of the paper's steps under a fluid: named, with these delays, s, each in its interval and to a share.
+fn named(response: FluidResponse, truth: &[(&str, f64)], share: f64) {
+    let machine = machine();
+    let (recordings, holdout) = steps(response);
+    let request =
+        conclude::Request { machine: &machine, recordings: &recordings, holdout: &holdout, vocabulary: &VOCABULARY };
+    let found = conclude::diagnose(&request).unwrap().answer;
+    let mut ids: Vec<&str> = found.effects.iter().map(|effect| effect.id.as_str()).collect();
+    println!("{:?} {ids:?} {:?}", found.verdict, found.effects);
+    assert_eq!(found.verdict, report::Verdict::Named, "{ids:?}");
+    ids.sort_unstable();
+    assert_eq!(ids, truth.iter().map(|(id, _)| *id).collect::<Vec<_>>());
+    for (id, delay_s) in truth {
+        let effect = found.effects.iter().find(|effect| effect.id == *id).unwrap();
+        let [value] = &effect.parameters[..] else { panic!("{effect:?}") };
+        assert!(value.low <= *delay_s && *delay_s <= value.high, "{id}: {value:?}");
+        assert!((value.value / delay_s - 1.0).abs() < share, "{id}: {value:?}");
+    }
+}
+
 #[test]
 #[cfg_attr(debug_assertions, ignore = "minutes without optimisation; the tests in release run it")]
-fn nothing_pushed_the_papers_steps() {
-    let machine = machine();
-    let (fitted, held) = steps(field(0.002, 0.003));
-    let recorded: Vec<Recorded> = fitted.iter().chain(&held).map(Recorded::new).collect();
-    let problem = Problem::new(Physics::nominal(&machine, &[]), recorded, fitted.len(), machine.axis.resolution, false);
-    let found = diagnose(&problem, &VOCABULARY).unwrap();
-    let ids: Vec<&str> = found.effects.iter().map(|named| named.effect.id).collect();
-    println!("{:?} {ids:?}", found.verdict);
-    assert!(ids.iter().all(|id| id.starts_with("field_")) && !ids.is_empty(), "{ids:?}");
+fn the_papers_steps_are_named_with_both_delays_of_the_field() {
+    named(field(0.002, 0.003), &[("field_dead_time", 0.002), ("field_lag", 0.003)], 0.01);
+}
+
+#[test]
+#[cfg_attr(debug_assertions, ignore = "minutes without optimisation; the tests in release run it")]
+fn a_viscosity_that_waits_is_named() {
+    named(bounded_q_dead(0.005), &[("viscosity_dead_time", 0.005)], 0.002);
+}
+
+#[test]
+#[cfg_attr(debug_assertions, ignore = "minutes without optimisation; the tests in release run it")]
+fn a_viscosity_that_lags_is_named() {
+    let torque_limit = Er::largest_torque(0.0704, 0.470);
+    named(FluidResponse::ViscosityLag { lag_s: 0.005, torque_limit }, &[("viscosity_lag", 0.005)], 0.002);
 }

@@ -56,7 +56,7 @@ pub fn figure(rows: &[Row], damper: Option<(f64, f64)>) -> Figure {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used)]
+    #![allow(clippy::unwrap_used, clippy::panic)]
     use er_servo::{Config, Counts};
     use plant::{Er, Model};
 

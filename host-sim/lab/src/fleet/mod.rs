@@ -44,7 +44,7 @@ pub fn run(
                 let row = one(&tasks[index]);
                 bar.advance(1);
                 // Nobody takes rows any more that cannot be saved.
-                done.send((index, row))
+                done.send((index, row)).map_err(drop)
             });
         });
         collected(known, arriving, save)
