@@ -66,12 +66,13 @@ pub fn refit(problem: &Problem, start: &Hypothesis, noise: &[Noise], rounds: usi
         }
         let before = best.log_likelihood;
         best = stepped(problem, best, &mut damping)?;
-        let gained = best.log_likelihood - before;
-        if estimated.as_ref().is_none_or(|then| then.is_off(problem, &Estimated::on(&best))) {
+        // At the end always: what was promised is of the noise's scale, and its parts may have moved against each other.
+        let settled = best.log_likelihood - before < SETTLED;
+        if settled || estimated.as_ref().is_none_or(|then| then.is_off(problem, &Estimated::on(&best))) {
             best = with_its_noise(problem, best)?;
             estimated = Some(Estimated::on(&best));
         }
-        if gained < SETTLED && best.log_likelihood - before < 10.0 * SETTLED {
+        if settled && best.log_likelihood - before < 10.0 * SETTLED {
             break;
         }
     }

@@ -36,7 +36,7 @@ impl Sized {
             let times = if is_order { of(default) / of(here) } else { of(here) / of(default) };
             let neutral = (effect.neutral)(here.physics);
             let from = if clear.len() == 1 { neutral } else { nothing[index] * times };
-            let value = match from.is_finite() && nothing[index].is_finite() {
+            let value = match self.nested && from.is_finite() && nothing[index].is_finite() {
                 true => from + (clear[index] - nothing[index]) * times,
                 false => clear[index] * times,
             };
