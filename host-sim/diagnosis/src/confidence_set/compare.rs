@@ -82,13 +82,14 @@ pub fn compare(problem: &Problem, better: &Step, other: &Step) -> Comparison {
     // Under equal fits the difference of two predictions spreads by at least the square root of twice what it is.
     let least = all_expected.iter().sum::<f64>() * 2.0;
     let sd = variance.max(least).max(f64::MIN_POSITIVE).sqrt();
-    Comparison {
-        difference,
-        z: if difference == 0.0 { 0.0 } else { difference / sd },
-        rank_z: signed_rank(&all),
-        window_z,
-    }
+    let told = difference.abs() >= SETTLED_TO;
+    let [z, rank_z] = if told { [difference / sd, signed_rank(&all)] } else { [0.0; 2] };
+    Comparison { difference, z, rank_z, window_z }
 }
+
+/// Log-likelihood to which two refits are settled, half a unit each for their noise: that much between them is of how they ended, and the
+/// same in every block, which a test over blocks would take for certain.
+const SETTLED_TO: f64 = 1.0;
 
 /// Neighbouring blocks are summed in pairs: what is left of their correlation is small against a pair.
 fn signed_rank(differences: &[f64]) -> f64 {
