@@ -273,7 +273,7 @@ fn named(problem: &Problem, found: &Found) -> (Vec<Named>, Vec<Hypothesis>) {
         in_the_set.extend(others.clone().map(|(difference, hypothesis, ..)| (*difference, (*hypothesis).clone())));
         let standing = match others.map(|(_, _, freedom, _)| *freedom).min() {
             _ if !nuisances.is_empty()
-                || !found.looked_at.get(at).is_some_and(|looked_at| *looked_at)
+                || found.looked_at.get(at) != Some(&true)
                 || best.collinear(at) > MOST_COLLINEAR =>
             {
                 Standing::Contested

@@ -40,9 +40,7 @@ pub(super) fn freedom(refitted: &Refitted) -> f64 {
 }
 
 /// A refit within its share of the work.
-#[derive(Default)]
 enum Trial {
-    #[default]
     NotMade,
     /// No pass is finite.
     Impossible,
