@@ -26,7 +26,7 @@ pub struct OfFiles {
 /// Diagnoses recordings with the machine file of their nominal model, and shows how far it is.
 ///
 /// # Errors
-/// Files that cannot be read, data that nothing can be computed from, and as [`diagnose`].
+/// Files that cannot be read, data that nothing can be computed from, and as [`diagnosis::pipeline::diagnose`].
 pub fn of_files(
     machine: &Path,
     recordings: &[PathBuf],
@@ -46,7 +46,7 @@ pub fn of_files(
 /// Diagnoses recordings that are in memory, and shows how far it is.
 ///
 /// # Errors
-/// Data that nothing can be computed from, and as [`diagnose`].
+/// Data that nothing can be computed from, and as [`diagnosis::pipeline::diagnose`].
 pub fn of_recordings(
     machine: Machine,
     recordings: Vec<Recording>,

@@ -17,7 +17,7 @@ pub struct Args {
     /// Names and values.
     #[arg(required_unless_present = "from", conflicts_with = "from", value_name = "NAME=VALUE", value_parser = assignment)]
     values: Vec<(String, f32)>,
-    /// Those in a file: what `get` has printed, or the section [controller] of a machine file.
+    /// Those in a file: what `get` has printed, or the section `controller` of a machine file.
     #[arg(long, value_name = "FILE")]
     from: Option<PathBuf>,
     /// Even if the loop would be unstable; the drive logs it.
