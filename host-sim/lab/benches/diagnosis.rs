@@ -1,9 +1,10 @@
-//! Time of a diagnosis: the whole vocabulary on three recordings of 8 s at 2 kHz, two to fit and one held out, of a machine
-//! whose damper lags more than its model says. Prints what each stage took. `cargo bench -p lab --bench diagnosis`
+//! Time of a diagnosis with the whole vocabulary on three recordings of 8 s at 2 kHz, two to fit and one held out: once of machines
+//! that lack each of the effects in turn, with the median, the worst and the memory, and often of two of them, with what each stage
+//! took. `cargo bench -p lab --bench diagnosis`
 #![allow(clippy::unwrap_used, missing_docs)]
 
 use std::hint::black_box;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use analysis::simulate::{Reference, Setup, record, run};
 use criterion::{Criterion, criterion_group, criterion_main};
@@ -12,7 +13,9 @@ use diagnosis::physics::Physics;
 use er_servo::Config;
 use er_servo::experiment::{Experiment, Shape};
 use lab::conclude::{Request, diagnose};
+use lab::guide;
 use lab::read::{Axis, AxisKind, ErNominal, Machine, PlantNominal, Recording};
+use lab::report::Answer;
 
 fn machine() -> Machine {
     Machine {
@@ -78,5 +81,40 @@ fn one_missing_effect(c: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, one_missing_effect);
+/// Once of each effect: what it took as a whole on all cores.
+fn every_effect(_: &mut Criterion) {
+    let machine = machine();
+    let mut all_s = Vec::new();
+    println!("effect                  verdict    first                        s");
+    for (effect, values) in guide::clear() {
+        let mut truth = Physics::nominal(&machine, &[]);
+        (effect.put)(&mut truth, &values);
+        let files = recordings(&truth);
+        let (recordings, holdout) = files.split_at(2);
+        let request = Request { machine: &machine, recordings, holdout, vocabulary: &VOCABULARY };
+        let began = Instant::now();
+        let Answer { verdict, effects, .. } = diagnose(&request).unwrap().answer;
+        let took_s = began.elapsed().as_secs_f64();
+        let first = effects.first().map_or("-", |effect| effect.id.as_str());
+        println!("{:22}  {:9}  {first:22}  {took_s:7.2}", effect.id, format!("{verdict:?}").to_lowercase());
+        all_s.push(took_s);
+    }
+    all_s.sort_by(f64::total_cmp);
+    let (median_s, worst_s) = (all_s[all_s.len() / 2], all_s[all_s.len() - 1]);
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    println!(
+        "{} effects on {cores} cores: median {median_s:.2} s, worst {worst_s:.2} s; {}",
+        all_s.len(),
+        most_memory()
+    );
+}
+
+/// The most memory that this process has had, as Linux counts it.
+fn most_memory() -> String {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
+    line.map_or("memory not counted here".to_owned(), |kilobytes| format!("memory at most {}", kilobytes.trim()))
+}
+
+criterion_group!(benches, every_effect, one_missing_effect);
 criterion_main!(benches);

@@ -11,7 +11,7 @@ mod table;
 pub use shown::{Shown, shown};
 pub use table::markdown;
 
-use diagnosis::effects::find;
+use diagnosis::effects::{Effect, find};
 use diagnosis::hypothesis::Hypothesis;
 use diagnosis::likelihood::Noise;
 use diagnosis::physics::Physics;
@@ -69,6 +69,12 @@ pub struct Guide {
     nominal: Physics,
     limits: Limits,
     noise: Noise,
+}
+
+/// Each effect but events and wrong samples, in the order of the vocabulary, with fitted values at which it is clear on the default
+/// machine.
+pub fn clear() -> impl Iterator<Item = (&'static Effect, Vec<f64>)> {
+    SIZES.iter().filter_map(|sized| Some((find(sized.id)?, (sized.at)(1.0))))
 }
 
 /// Torque noise held over each control period, N m.
