@@ -136,14 +136,16 @@ pub fn search(problem: &Problem, vocabulary: &[&'static Effect]) -> Option<Found
     let mut end = ends.into_iter().max_by(|a, b| priced(problem, &a.best).total_cmp(&priced(problem, &b.best)))?;
     // A memory of the noise is looked for when nothing is missing that it would stand in for.
     let Some(coloured) = coloured(problem, &end.best) else {
-        let around = Some(&mut around_nominal);
+        let around = &mut around_nominal;
         let looked = |own: &Problem| Neighbourhood::new(own, vocabulary, &nominal, around, end).found();
         return Some(problem.within(problem.left(), looked));
     };
     let noise = &coloured.assessed.refitted.noise;
     let nominal = Step::new(problem, refit(problem, &Hypothesis::default(), noise, COLOURED_STEPS)?)?;
     end.best = coloured;
-    Some(problem.within(problem.left(), |own| Neighbourhood::new(own, vocabulary, &nominal, None, end).found()))
+    let mut around = around_nominal.under(&nominal.assessed.refitted);
+    let looked = |own: &Problem| Neighbourhood::new(own, vocabulary, &nominal, &mut around, end).found();
+    Some(problem.within(problem.left(), looked))
 }
 
 /// Steps of a refit under noise of another kind.
@@ -182,7 +184,7 @@ fn forward(problem: &Problem, vocabulary: &[&'static Effect], from: Step, around
     let mut among: &[&'static Effect] = &lasting;
     let mut rejected = Vec::new();
     while best.assessed.refitted.hypothesis.entries.len() < MOST_EFFECTS + began && !problem.is_spent() {
-        let found = moved.as_mut().unwrap_or(&mut *around).extended(problem, among);
+        let found = around_best(&mut moved, around).extended(problem, among);
         let mut begun = found.iter().take_while(|_| !problem.is_spent());
         let taken = begun.find_map(|one| Some((worth(problem, &best, &one.refitted, one.odds)?, one.odds)));
         match taken {
@@ -194,11 +196,17 @@ fn forward(problem: &Problem, vocabulary: &[&'static Effect], from: Step, around
             None if among.len() < vocabulary.len() => among = vocabulary,
             None => {
                 rejected = found.into_iter().filter_map(|one| not_taken(problem, &best, one)).collect();
+                rejected.extend(around_best(&mut moved, around).unpromising(problem, among));
                 break;
             }
         }
     }
     Forward { best, tried, rejected }
+}
+
+/// What was found around where a search has moved to, or around where it began.
+fn around_best<'a>(moved: &'a mut Option<Around>, began: &'a mut Around) -> &'a mut Around {
+    moved.as_mut().unwrap_or(began)
 }
 
 /// What a refit that was not taken would add, and whether that is certain.

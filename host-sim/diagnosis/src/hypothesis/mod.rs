@@ -10,6 +10,7 @@ use crate::problem::Problem;
 
 pub use evaluate::{Evaluation, evaluate};
 pub(crate) use evaluate::{Kept, KeptRecording, kept};
+pub(crate) use noise_fit::over_excerpts;
 pub use noise_fit::{coloured_noise, noise_of};
 pub use refit::{Refitted, refit};
 pub(crate) use refit::{columns, ranges, refit_under, variance_along};

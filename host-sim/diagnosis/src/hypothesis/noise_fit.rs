@@ -64,6 +64,19 @@ fn coloured_one(problem: &Problem, physics: &Physics, index: usize, from: &Noise
     (top > excerpt.score(from) + (rows.max(2) as f64).ln()).then_some(found)
 }
 
+/// The log-likelihood of the recordings to fit as a look at the excerpts has it, scaled to all rows: enough to rank by. None for a
+/// machine the plant refuses or a pass that is not finite.
+pub(crate) fn over_excerpts(problem: &Problem, physics: &Physics, noise: &[Noise]) -> Option<f64> {
+    let one = |index: usize| {
+        let (prepared, acting) = prepare(problem, physics, index)?;
+        let excerpt = Excerpt { problem, index, prepared: &prepared, acting: &acting };
+        let rows: usize = problem.excerpts[index].iter().map(Range::len).sum();
+        let scale = problem.recordings[index].rows() as f64 / rows.max(1) as f64;
+        Some(scale * excerpt.score(&noise[index])).filter(|score| score.is_finite())
+    };
+    (0..problem.fitted).into_par_iter().map(one).sum()
+}
+
 /// Log-likelihood that is worth another look at the same step.
 const RISEN: f64 = 0.5;
 /// A step over which the likelihood is a parabola: a quarter of a number's logarithm is off by a fiftieth at its top.

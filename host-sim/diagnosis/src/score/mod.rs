@@ -6,7 +6,7 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use crate::effects::{Columns, Effect, Excitation};
-use crate::hypothesis::{Entry, Hypothesis, Kept, columns, evaluate};
+use crate::hypothesis::{Entry, Hypothesis, Kept, columns, evaluate, over_excerpts};
 use crate::problem::Problem;
 
 use seek::seek;
@@ -18,7 +18,7 @@ pub struct Candidate {
     pub entry: Entry,
     /// The start itself.
     pub from: Vec<f64>,
-    /// Log-likelihood it brings in the linear model, on the recordings to fit.
+    /// Log-likelihood it brings on the recordings to fit: in the linear model, or as it starts where no column tells.
     pub gain: f64,
     /// Among how many variants of this effect it was found.
     pub tries: f64,
@@ -41,7 +41,7 @@ pub(crate) fn score(
     vocabulary: &[&'static Effect],
 ) -> Vec<Candidate> {
     let own: Vec<Vec<Vec<f64>>> = columns(problem, hypothesis, path).into_iter().flatten().collect();
-    let base = Base::new(path, own);
+    let base = Base::new(problem, path, own);
     let excitation = seek(problem, path);
     let physics = &path.physics;
     let starts: Vec<(&'static Effect, Vec<f64>)> = vocabulary
@@ -76,6 +76,8 @@ fn overlaps(hypothesis: &Hypothesis, effect: &Effect, values: &[f64]) -> bool {
 
 /// The residual, its weights, and the columns of the hypothesis itself.
 struct Base {
+    /// Log-likelihood of the excerpts, scaled to all rows; none where the motion is given, which costs little as a whole.
+    of_excerpts: Option<f64>,
     residual: Vec<f64>,
     weight: Vec<f64>,
     own: Vec<Vec<f64>>,
@@ -85,12 +87,14 @@ struct Base {
 }
 
 impl Base {
-    fn new(path: &Kept, own: Vec<Vec<Vec<f64>>>) -> Self {
+    fn new(problem: &Problem, path: &Kept, own: Vec<Vec<Vec<f64>>>) -> Self {
+        let excerpts = || over_excerpts(problem, &path.physics, &path.noise);
+        let of_excerpts = if problem.motions.is_empty() { excerpts() } else { None };
         let (residual, weight) = path.weighted();
         let own: Vec<Vec<f64>> = own.into_iter().map(|column| column.concat()).collect();
         let many = own.len();
-        let mut base =
-            Self { residual, weight, own, information: DMatrix::zeros(many, many), gradient: DVector::zeros(many) };
+        let (information, gradient) = (DMatrix::zeros(many, many), DVector::zeros(many));
+        let mut base = Self { of_excerpts, residual, weight, own, information, gradient };
         for i in 0..many {
             base.gradient[i] = -base.dot(&base.own[i], &base.residual);
             for j in 0..=i {
@@ -156,8 +160,12 @@ fn candidate(
     // No column tells what changes samples and no motion, or what a memory makes of a motion.
     if effect.changes_samples_only() || effect.remembers {
         let other = hypothesis.with(effect, values.clone());
-        let found = evaluate(problem, &other.physics(&problem.nominal), &path.noise, problem.fitted)?.fitted(problem);
-        return Some(Candidate::new(effect, values.clone(), values, found - path.log_likelihood()));
+        let other = other.physics(&problem.nominal);
+        let gain = match base.of_excerpts {
+            Some(own) => over_excerpts(problem, &other, &path.noise)? - own,
+            None => evaluate(problem, &other, &path.noise, problem.fitted)?.fitted(problem) - path.log_likelihood(),
+        };
+        return Some(Candidate::new(effect, values.clone(), values, gain));
     }
     let response = |values: &[f64]| {
         let other = hypothesis.with(effect, values.to_vec()).physics(&problem.nominal);

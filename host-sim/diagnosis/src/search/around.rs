@@ -2,10 +2,13 @@
 
 use rayon::prelude::*;
 
-use crate::effects::Effect;
-use crate::hypothesis::{Hypothesis, Refitted, kept, refit, refit_under};
+use crate::effects::{Effect, VOCABULARY};
+use crate::hypothesis::{Entry, Hypothesis, Refitted, kept, refit, refit_under};
+use crate::likelihood::Noise;
 use crate::problem::Problem;
 use crate::score::{Candidate, score};
+
+use super::Rejected;
 
 /// Effects that are refitted of all that are scored. The right one was among the first five in each of 66 tuning cases.
 pub(super) const REFITTED: usize = 5;
@@ -112,7 +115,19 @@ pub(super) struct Around {
 impl Around {
     /// Of a hypothesis, for effects of that vocabulary. Nothing is computed before it is asked for.
     pub(super) fn new(at: &Refitted, vocabulary: &[&'static Effect]) -> Self {
-        Self { at: at.clone(), vocabulary: vocabulary.to_vec(), tried: None }
+        // Columns of all effects tell whether anything is left, whichever of them may be taken.
+        let others = VOCABULARY.iter().copied().filter(|effect| !vocabulary.contains(effect));
+        Self { at: at.clone(), vocabulary: vocabulary.iter().copied().chain(others).collect(), tried: None }
+    }
+
+    /// What is found around the same hypothesis under noise of another kind: what was followed goes on from its optimum.
+    pub(super) fn under(self, at: &Refitted) -> Self {
+        let anew = |Tried { candidate, short, followed }: Tried| {
+            let short = if followed.refitted().is_some() { followed } else { short };
+            Tried { candidate, short, followed: Trial::NotMade }
+        };
+        let tried = self.tried.map(|all| all.into_iter().map(anew).collect());
+        Self { at: at.clone(), tried, ..self }
     }
 
     /// Candidates, best first.
@@ -129,9 +144,9 @@ impl Around {
         let mut all = self.tried.take().unwrap_or_else(|| self.scored(problem));
         let mut found = Vec::new();
         if !problem.is_spent() {
-            let mut starts = first_few(&mut all, among);
-            self.refitted_short(problem, &mut starts);
             let price = problem.price();
+            let mut starts = first_few(&mut all, among, price);
+            self.refitted_short(problem, &mut starts);
             let rank = |one: &Refitted| one.log_likelihood - price * freedom(one);
             let mut ranked: Vec<(f64, &mut Tried)> =
                 starts.into_iter().filter_map(|tried| Some((rank(tried.short.refitted()?), tried))).collect();
@@ -145,13 +160,32 @@ impl Around {
             });
             let mut followed: Vec<&mut Tried> =
                 ranked.drain(..REFITTED.min(ranked.len())).map(|(_, tried)| tried).collect();
-            follow(problem, &mut followed);
+            self.follow(problem, &mut followed);
             found.extend(followed.iter().filter_map(|tried| Extended::of(&tried.candidate, &tried.followed)));
             found.extend(ranked.iter().filter_map(|(_, tried)| Extended::of(&tried.candidate, &tried.short)));
             found.sort_by(|a: &Extended, b| rank(&b.refitted).total_cmp(&rank(&a.refitted)));
         }
         self.tried = Some(all);
         found
+    }
+
+    /// Effects with a column that promises too little to be refitted, each once, by what it promises.
+    pub(super) fn unpromising(&self, problem: &Problem, among: &[&'static Effect]) -> Vec<Rejected> {
+        let price = problem.price();
+        let mut seen: Vec<&'static str> = Vec::new();
+        let all = self.tried.iter().flatten().filter(|one| among.contains(&one.candidate.entry.effect));
+        let first = all.filter(|one| {
+            let id = one.candidate.entry.effect.id;
+            let first = !seen.contains(&id);
+            seen.push(id);
+            first
+        });
+        let too_little = first.filter(|one| !one.candidate.entry.effect.remembers && !one.promises(price));
+        let rejected = |one: &Tried| {
+            let Candidate { entry, gain, .. } = &one.candidate;
+            Rejected { effect: entry.effect, rise: *gain, gain: None, certain: false }
+        };
+        too_little.map(rejected).collect()
     }
 
     /// As far as ranks them.
@@ -175,19 +209,20 @@ impl Around {
         // A step that leads astray is taken again from where it began.
         if found.log_likelihood > self.at.log_likelihood { Some(found) } else { refitted(&with(&candidate.from)) }
     }
-}
 
-/// To the optimum.
-fn follow(problem: &Problem, found: &mut [&mut Tried]) {
-    let on = |own: &Problem, from: &Refitted| refit(own, &from.hypothesis, &from.noise, STEPS);
-    in_shares(
-        problem,
-        found,
-        |tried| &tried.followed,
-        |own, share, Tried { short, followed, .. }| {
-            followed.go_on(own, share, |own| on(own, short.refitted()?), on);
-        },
-    );
+    /// To the optimum.
+    fn follow(&self, problem: &Problem, found: &mut [&mut Tried]) {
+        let on = |own: &Problem, from: &Refitted, noise: &[Noise]| refit(own, &from.hypothesis, noise, STEPS);
+        in_shares(
+            problem,
+            found,
+            |tried| &tried.followed,
+            |own, share, Tried { short, followed, .. }| {
+                let begin = |own: &Problem| on(own, short.refitted()?, &self.at.noise);
+                followed.go_on(own, share, begin, |own, from| on(own, from, &from.noise));
+            },
+        );
+    }
 }
 
 /// Goes at a refit that needs more than its share: shares grow as others end, and with this many any that is left has had several
@@ -218,19 +253,28 @@ fn share(problem: &Problem, refits: usize) -> u64 {
     problem.left() / 2 / refits.max(1) as u64
 }
 
-/// The first few candidates among some effects, a second start of an effect where it has several valleys, and of each effect with a
-/// memory, whose column says little, the first.
-fn first_few<'a>(tried: &'a mut [Tried], among: &[&'static Effect]) -> Vec<&'a mut Tried> {
+impl Tried {
+    /// Whether the linear model, or the start itself, is worth the price of its free values: a refit that brings less is not taken.
+    fn promises(&self, price: f64) -> bool {
+        let Entry { effect, values } = &self.candidate.entry;
+        self.candidate.gain > price * effect.freedom(values) as f64
+    }
+}
+
+/// The first few candidates among some effects that promise something, a second start of an effect where it has several valleys, and,
+/// where any column says that something is left, of each effect with a memory, which has no column, the first.
+fn first_few<'a>(tried: &'a mut [Tried], among: &[&'static Effect], price: f64) -> Vec<&'a mut Tried> {
+    let something_left = tried.iter().any(|one| one.promises(price));
     let mut starts: Vec<&mut Tried> = Vec::new();
     let mut seen: Vec<&'static str> = Vec::new();
     let mut few = 0;
     for one in tried.iter_mut().filter(|one| among.contains(&one.candidate.entry.effect)) {
         let effect = one.candidate.entry.effect;
         let times = seen.iter().filter(|other| **other == effect.id).count();
-        let among_the_few = few < 2 * REFITTED && times < 2 && (times == 0 || few < REFITTED);
-        if among_the_few || (times == 0 && effect.remembers) {
+        let one_of_few = few < 2 * REFITTED && times < 2 && (times == 0 || few < REFITTED) && one.promises(price);
+        if one_of_few || (times == 0 && effect.remembers && something_left) {
             starts.push(one);
-            few += usize::from(among_the_few);
+            few += usize::from(one_of_few);
         }
         seen.push(effect.id);
     }

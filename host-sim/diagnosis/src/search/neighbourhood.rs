@@ -17,8 +17,7 @@ pub(super) struct Neighbourhood<'a> {
     problem: &'a Problem,
     vocabulary: &'a [&'static Effect],
     nominal: &'a Step,
-    /// Where that is computed already.
-    around_nominal: Option<&'a mut Around>,
+    around_nominal: &'a mut Around,
     best: Step,
     tried: Vec<Odds>,
     evidence: Vec<(f64, f64)>,
@@ -42,7 +41,7 @@ impl<'a> Neighbourhood<'a> {
         problem: &'a Problem,
         vocabulary: &'a [&'static Effect],
         nominal: &'a Step,
-        around_nominal: Option<&'a mut Around>,
+        around_nominal: &'a mut Around,
         Forward { best, tried, rejected }: Forward,
     ) -> Self {
         let (evidence, looked_at, rivals) = (Vec::new(), Vec::new(), Vec::new());
@@ -152,9 +151,9 @@ impl<'a> Neighbourhood<'a> {
         let others = self.vocabulary.iter().copied().filter(|effect| *effect != own);
         let others: Vec<&'static Effect> = others.chain(nuisances(self.vocabulary)).collect();
         let alone = self.entries() == 1;
-        let mut found = match self.around_nominal.as_mut().filter(|_| alone) {
-            Some(around_nominal) => around_nominal.extended(problem, &others),
-            None => self.with_the_others_as_they_are(at, without, &others).extended(problem, &others),
+        let mut found = match alone {
+            true => self.around_nominal.extended(problem, &others),
+            false => self.with_the_others_as_they_are(at, without, &others).extended(problem, &others),
         };
         found.truncate(REFITTED);
         let ended = found.iter().all(|one| one.ended);
