@@ -1,17 +1,19 @@
-//! MCAP: JSON messages, and joint states of ROS 2 in CDR.
+//! MCAP: messages in JSON and Protobuf, and joint states of ROS 2 in CDR.
 //!
 //! A column is called after its topic and field, an element of an array with its index, a joint's with its name:
 //! `/joint_states.elbow.position`. What this tool wrote keeps its own names. Two more columns tell the time, s since the first
 //! message: `log_time_s`, when it was logged, and `stamp_s`, the machine's own clock, where messages have a `header.stamp`.
 
 mod message;
+mod protobuf;
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::io::{Cursor, Read};
 use std::path::Path;
 
-use mcap::records::{Channel, ChunkHeader, Record};
+use mcap::records::{Channel, ChunkHeader, Record, SchemaHeader};
+use prost_reflect::MessageDescriptor;
 
 use super::nearest::quoted;
 use super::quiet;
@@ -27,17 +29,26 @@ const MOST_CHUNK: u64 = 1 << 30;
 const MOST_LISTED: usize = 8;
 
 /// How the messages of a channel are written.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 enum Encoding {
     Json,
+    /// As the schema in the file describes it.
+    Protobuf(MessageDescriptor),
     /// Of a recording this tool wrote.
     Own,
     JointState,
 }
 
+/// Name of a message's form, and what describes it where that is in Protobuf's own terms.
+#[derive(Debug)]
+struct Schema {
+    name: String,
+    protobuf: Option<MessageDescriptor>,
+}
+
 #[derive(Debug, Default)]
 struct Log {
-    schemas: BTreeMap<u16, String>,
+    schemas: BTreeMap<u16, Schema>,
     channels: BTreeMap<u16, (String, Option<Encoding>)>,
     topics: BTreeMap<String, Topic>,
     /// When the first message was logged, ns.
@@ -104,8 +115,9 @@ fn unpacked<'a>(header: &ChunkHeader, data: &'a [u8]) -> Result<Cow<'a, [u8]>, S
 impl Log {
     fn take(&mut self, record: Record<'_>) -> Result<(), String> {
         match record {
-            Record::Schema { header, .. } => {
-                self.schemas.insert(header.id, header.name);
+            Record::Schema { header: SchemaHeader { id, name, encoding }, data } => {
+                let protobuf = if encoding == "protobuf" { protobuf::described(&data, &name) } else { None };
+                self.schemas.insert(id, Schema { name, protobuf });
             }
             Record::Channel(channel) => self.channel(channel),
             Record::Message { header, data } => {
@@ -114,6 +126,7 @@ impl Log {
                 let rows = match encoding {
                     Encoding::Own => message::own(&data),
                     Encoding::Json => message::json(&data, begin_ns),
+                    Encoding::Protobuf(form) => protobuf::rows(form, &data, begin_ns),
                     Encoding::JointState => message::joint_state(&data, begin_ns),
                 };
                 let wrong = |message: String| format!("a message of {}: {message}", quoted(topic));
@@ -134,13 +147,16 @@ impl Log {
     }
 
     fn channel(&mut self, Channel { id, schema_id, topic, message_encoding, .. }: Channel) {
-        let schema = self.schemas.get(&schema_id).map_or("", String::as_str);
+        let schema = self.schemas.get(&schema_id);
+        let protobuf = schema.and_then(|schema| schema.protobuf.clone());
+        let schema = schema.map_or("", |schema| schema.name.as_str());
         let encoding = match message_encoding.as_str() {
             "json" if schema == OWN_SCHEMA => Some(Encoding::Own),
             "json" => Some(Encoding::Json),
             "cdr" if matches!(schema, "sensor_msgs/msg/JointState" | "sensor_msgs/JointState") => {
                 Some(Encoding::JointState)
             }
+            "protobuf" => protobuf.map(Encoding::Protobuf),
             _ => None,
         };
         let unread = format!("{} ({schema} in {message_encoding})", quoted(&topic));
@@ -155,7 +171,7 @@ impl Log {
         if topics.is_empty() {
             let listed = self.unread.iter().take(MOST_LISTED).map(String::as_str).collect::<Vec<_>>().join(", ");
             let has = if listed.is_empty() { String::new() } else { format!("; it has {listed}") };
-            return Err(format!("it holds no messages in JSON and no sensor_msgs/JointState in CDR{has}"));
+            return Err(format!("it holds no messages in JSON or Protobuf and no sensor_msgs/JointState in CDR{has}"));
         }
         topics.iter_mut().for_each(Topic::sort);
         Ok(topics)

@@ -180,8 +180,9 @@ fn topics_that_are_not_read_are_named() {
     let error = read(&file.into_inner()).unwrap_err();
     assert_eq!(
         error,
-        "a.mcap: it holds no messages in JSON and no sensor_msgs/JointState in CDR; it has `/joints` \
-         (foxglove.JointStates in protobuf)"
+        "a.mcap: it holds no messages in JSON or Protobuf and no sensor_msgs/JointState in CDR; it has `/joints` \
+         (foxglove.JointStates in protobuf)",
+        "a schema that does not describe it"
     );
 }
 

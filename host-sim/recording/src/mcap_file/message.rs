@@ -48,10 +48,15 @@ pub(super) fn own(data: &[u8]) -> Result<Vec<Row>, String> {
 /// (`name`, `position`, ... as arrays) or of Foxglove (`joints`, each with its `name`).
 pub(super) fn json(data: &[u8], begin_ns: u64) -> Result<Vec<Row>, String> {
     let value: Value = serde_json::from_slice(data).map_err(|error| format!("is not JSON: {error}"))?;
+    Ok(rows_of(&value, begin_ns))
+}
+
+/// The same of a message in JSON's terms.
+pub(super) fn rows_of(value: &Value, begin_ns: u64) -> Vec<Row> {
     let Some(fields) = value.as_object() else {
         let mut row = Row::default();
-        flatten("value", &value, begin_ns, &mut row.fields);
-        return Ok(vec![row]);
+        flatten("value", value, begin_ns, &mut row.fields);
+        return vec![row];
     };
     let mut rows = joints_by_arrays(fields).or_else(|| joints_by_objects(fields)).unwrap_or_default();
     let mut shared = Vec::new();
@@ -65,7 +70,7 @@ pub(super) fn json(data: &[u8], begin_ns: u64) -> Result<Vec<Row>, String> {
         rows.push(Row::default());
     }
     rows.iter_mut().for_each(|row| row.fields.extend(shared.iter().cloned()));
-    Ok(rows)
+    rows
 }
 
 fn joints_by_arrays(fields: &Map<String, Value>) -> Option<Vec<Row>> {
