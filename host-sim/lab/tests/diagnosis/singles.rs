@@ -13,7 +13,7 @@ const NOISE_NM: f64 = 0.05;
 const DURATION_S: f32 = 5.0;
 
 /// Effect with its fitted values, clear and half as large.
-pub const CASES: [(&str, [&[f64]; 2]); 32] = [
+pub const CASES: [(&str, [&[f64]; 2]); 37] = [
     ("field_dead_time", [&[0.005], &[0.0035]]),
     ("field_lag", [&[0.008], &[0.0055]]),
     ("field_lag_asymmetry", [&[0.003, 0.012], &[0.003, 0.0075]]),
@@ -46,6 +46,11 @@ pub const CASES: [(&str, [&[f64]; 2]); 32] = [
     ("quadratic_drag", [&[0.1], &[0.05]]),
     ("resolver_eccentricity", [&[4.0, 0.0018, 0.001], &[4.0, 0.0009, 0.0005]]),
     ("sensor_latency", [&[0.0012], &[0.0006]]),
+    ("load_dependent_friction", [&[0.1], &[0.05]]),
+    ("torque_ripple", [&[14.0, 0.06, 0.05], &[14.0, 0.03, 0.025]]),
+    ("temperature_yield", [&[0.02, 0.1], &[0.01, 0.1]]),
+    ("field_kinetics", [&[1.0, 1.0], &[0.5, 0.5]]),
+    ("er_flow", [&[0.05, 0.5], &[0.025, 0.5]]),
 ];
 
 /// Named first, but `partial`: its lag comes out a twentieth too long, and what that leaves is told as a remainder.
