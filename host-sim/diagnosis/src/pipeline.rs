@@ -6,7 +6,7 @@ use crate::goodness::{Predictor, predictors};
 use crate::hypothesis::{Entry, Hypothesis, Refitted, refit};
 use crate::likelihood::Noise;
 use crate::problem::Problem;
-use crate::search::{Found, LEVEL_OF_A_STEP, Odds, Rejected, SMALLEST_GAIN, first_noise, p_value, search};
+use crate::search::{Found, LEVEL_OF_A_STEP, Odds, Rejected, SMALLEST_GAIN, first_noise, gain, p_value, search};
 use crate::verdict::{Standing, Verdict, verdict};
 use crate::windows::window_s;
 use crate::work::WORK;
@@ -207,9 +207,29 @@ fn concluded(problem: &Problem, vocabulary: &[&'static Effect]) -> Option<Conclu
 /// With the values on a finer grid.
 fn estimated(finer: &Problem, found: Found) -> Found {
     match (found.nominal.estimated(finer), found.best.estimated(finer)) {
-        (Some(nominal), Some(best)) => without_doubtful(finer, Found { nominal, best, ..found }),
+        (Some(nominal), Some(best)) => without_weak(finer, without_doubtful(finer, Found { nominal, best, ..found })),
         _ => found,
     }
+}
+
+/// Without the entries that the substeps of the search only seemed to need: the weakest first is tested again as the search tests it.
+fn without_weak(finer: &Problem, mut found: Found) -> Found {
+    while found.evidence.len() > 1 && !finer.is_spent() {
+        let weaker = |a: &usize, b: &usize| found.evidence[*a].1.total_cmp(&found.evidence[*b].1);
+        let Some(at) = (0..found.evidence.len()).min_by(weaker) else { break };
+        let Some(without) = found.best.without(finer, at) else { break };
+        let best = &found.best.assessed;
+        let rise = best.refitted.log_likelihood - without.assessed.refitted.log_likelihood;
+        let gain = gain(finer, &found.best, &without, at);
+        if p_value(best, at, rise, Odds::of_one()) < LEVEL_OF_A_STEP && gain >= SMALLEST_GAIN {
+            break;
+        }
+        let effect = best.refitted.hypothesis.entries[at].effect;
+        found.rejected.push(Rejected { effect, rise, gain: Some(gain), certain: false });
+        found.best = without;
+        found.forget(at);
+    }
+    found
 }
 
 /// Without the entries whose intervals hold what they are without the effect.

@@ -244,7 +244,7 @@ fn worth(problem: &Problem, from: &Step, to: &Refitted, odds: Odds) -> Option<(S
 }
 
 /// What an entry brings to the windows: those that judge, or those around an event.
-fn gain(problem: &Problem, with: &Step, without: &Step, entry: usize) -> f64 {
+pub(crate) fn gain(problem: &Problem, with: &Step, without: &Step, entry: usize) -> f64 {
     let entry = &with.assessed.refitted.hypothesis.entries[entry];
     if entry.effect.changes_samples_only() {
         // What changes samples and no motion shows in no window: the fall of the innovations' typical size instead.

@@ -261,7 +261,7 @@ impl Tried {
     }
 }
 
-/// The first few candidates among some effects that promise something, a second start of an effect where it has several valleys, and,
+/// Of the first few candidates among some effects those that promise something, a second start of an effect where it has several valleys, and,
 /// where any column says that something is left, of each effect with a memory, which has no column, the first.
 fn first_few<'a>(tried: &'a mut [Tried], among: &[&'static Effect], price: f64) -> Vec<&'a mut Tried> {
     let something_left = tried.iter().any(|one| one.promises(price));
@@ -271,10 +271,11 @@ fn first_few<'a>(tried: &'a mut [Tried], among: &[&'static Effect], price: f64) 
     for one in tried.iter_mut().filter(|one| among.contains(&one.candidate.entry.effect)) {
         let effect = one.candidate.entry.effect;
         let times = seen.iter().filter(|other| **other == effect.id).count();
-        let one_of_few = few < 2 * REFITTED && times < 2 && (times == 0 || few < REFITTED) && one.promises(price);
-        if one_of_few || (times == 0 && effect.remembers && something_left) {
+        let one_of_few = few < 2 * REFITTED && times < 2 && (times == 0 || few < REFITTED);
+        // What promises nothing keeps its place: the next ones promise less.
+        few += usize::from(one_of_few);
+        if (one_of_few && one.promises(price)) || (times == 0 && effect.remembers && something_left) {
             starts.push(one);
-            few += usize::from(one_of_few);
         }
         seen.push(effect.id);
     }
