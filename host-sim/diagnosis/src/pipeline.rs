@@ -224,10 +224,7 @@ fn without_weak(finer: &Problem, mut found: Found) -> Found {
         if p_value(best, at, rise, Odds::of_one()) < LEVEL_OF_A_STEP && gain >= SMALLEST_GAIN {
             break;
         }
-        let effect = best.refitted.hypothesis.entries[at].effect;
-        found.rejected.push(Rejected { effect, rise, gain: Some(gain), certain: false });
-        found.best = without;
-        found.forget(at);
+        found.take_out(at, without, gain);
     }
     found
 }
@@ -236,19 +233,16 @@ fn without_weak(finer: &Problem, mut found: Found) -> Found {
 fn without_doubtful(finer: &Problem, mut found: Found) -> Found {
     loop {
         let best = &found.best.assessed;
-        let hypothesis = &best.refitted.hypothesis;
-        let Some(at) = (0..hypothesis.entries.len()).find(|&at| !best.away_from_neutral(finer, at)) else {
+        let Some(at) = (0..best.refitted.hypothesis.entries.len()).find(|&at| !best.away_from_neutral(finer, at))
+        else {
             return found;
         };
         if finer.is_spent() {
             return found;
         }
         let Some(without) = found.best.without(finer, at) else { return found };
-        let rise = best.refitted.log_likelihood - without.assessed.refitted.log_likelihood;
-        let gain = Some(found.best.windows.gain_over(&without.windows, finer));
-        found.rejected.push(Rejected { effect: hypothesis.entries[at].effect, rise, gain, certain: false });
-        found.best = without;
-        found.forget(at);
+        let gain = found.best.windows.gain_over(&without.windows, finer);
+        found.take_out(at, without, gain);
     }
 }
 

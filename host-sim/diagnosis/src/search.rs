@@ -41,8 +41,18 @@ pub struct Found {
 }
 
 impl Found {
+    /// Goes on with the best `without` an entry, which brought `gain`, and tells it among the rejected.
+    pub(crate) fn take_out(&mut self, entry: usize, without: Step, gain: f64) {
+        let best = &self.best.assessed.refitted;
+        let rise = best.log_likelihood - without.assessed.refitted.log_likelihood;
+        let effect = best.hypothesis.entries[entry].effect;
+        self.rejected.push(Rejected { effect, rise, gain: Some(gain), certain: false });
+        self.best = without;
+        self.forget(entry);
+    }
+
     /// Forgets what belongs to an entry that is in the best no longer.
-    pub(crate) fn forget(&mut self, entry: usize) {
+    fn forget(&mut self, entry: usize) {
         if entry < self.evidence.len() {
             self.evidence.remove(entry);
         }

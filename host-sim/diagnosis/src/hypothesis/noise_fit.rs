@@ -60,7 +60,7 @@ fn coloured_one(problem: &Problem, physics: &Physics, index: usize, from: &Noise
     let scored = starts.map(|noise| (excerpt.score(&noise), noise));
     let (_, first) = scored.max_by(|a, b| a.0.total_cmp(&b.0))?;
     let (found, top) = excerpt.likeliest(first, 1.0);
-    let rows: usize = problem.excerpts[index].iter().map(Range::len).sum();
+    let rows = excerpt.rows();
     (top > excerpt.score(from) + (rows.max(2) as f64).ln()).then_some(found)
 }
 
@@ -70,8 +70,7 @@ pub(crate) fn over_excerpts(problem: &Problem, physics: &Physics, noise: &[Noise
     let one = |index: usize| {
         let (prepared, acting) = prepare(problem, physics, index)?;
         let excerpt = Excerpt { problem, index, prepared: &prepared, acting: &acting };
-        let rows: usize = problem.excerpts[index].iter().map(Range::len).sum();
-        let scale = problem.recordings[index].rows() as f64 / rows.max(1) as f64;
+        let scale = problem.recordings[index].rows() as f64 / excerpt.rows().max(1) as f64;
         Some(scale * excerpt.score(&noise[index])).filter(|score| score.is_finite())
     };
     (0..problem.fitted).into_par_iter().map(one).sum()
@@ -97,6 +96,11 @@ struct Excerpt<'a> {
 }
 
 impl Excerpt<'_> {
+    /// Number of them.
+    fn rows(&self) -> usize {
+        self.problem.excerpts[self.index].iter().map(Range::len).sum()
+    }
+
     fn score(&self, noise: &Noise) -> f64 {
         let Self { problem, index, prepared, acting } = *self;
         let substeps = problem.grids[index].substeps() / problem.recordings[index].rows().max(1);

@@ -151,13 +151,8 @@ impl Around {
             let mut ranked: Vec<(f64, &mut Tried)> =
                 starts.into_iter().filter_map(|tried| Some((rank(tried.short.refitted()?), tried))).collect();
             ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
-            let mut once: Vec<&'static str> = Vec::new();
-            ranked.retain(|(_, tried)| {
-                let id = tried.candidate.entry.effect.id;
-                let first = !once.contains(&id);
-                once.push(id);
-                first
-            });
+            let mut first = first_of_its_effect();
+            ranked.retain(|(_, tried)| first(tried));
             let mut followed: Vec<&mut Tried> =
                 ranked.drain(..REFITTED.min(ranked.len())).map(|(_, tried)| tried).collect();
             self.follow(problem, &mut followed);
@@ -172,15 +167,10 @@ impl Around {
     /// Effects with a column that promises too little to be refitted, each once, by what it promises.
     pub(super) fn unpromising(&self, problem: &Problem, among: &[&'static Effect]) -> Vec<Rejected> {
         let price = problem.price();
-        let mut seen: Vec<&'static str> = Vec::new();
+        let mut first = first_of_its_effect();
         let all = self.tried.iter().flatten().filter(|one| among.contains(&one.candidate.entry.effect));
-        let first = all.filter(|one| {
-            let id = one.candidate.entry.effect.id;
-            let first = !seen.contains(&id);
-            seen.push(id);
-            first
-        });
-        let too_little = first.filter(|one| !one.candidate.entry.effect.remembers && !one.promises(price));
+        let too_little =
+            all.filter(|one| first(one)).filter(|one| !one.candidate.entry.effect.remembers && !one.promises(price));
         let rejected = |one: &Tried| {
             let Candidate { entry, gain, .. } = &one.candidate;
             Rejected { effect: entry.effect, rise: *gain, gain: None, certain: false }
@@ -251,6 +241,17 @@ fn in_shares(
 /// Work that each of some refits may take: half of what is left in all, so that what comes after has the other half.
 fn share(problem: &Problem, refits: usize) -> u64 {
     problem.left() / 2 / refits.max(1) as u64
+}
+
+/// Tells of each that comes whether it is the first of its effect.
+fn first_of_its_effect() -> impl FnMut(&Tried) -> bool {
+    let mut seen: Vec<&'static str> = Vec::new();
+    move |one| {
+        let id = one.candidate.entry.effect.id;
+        let first = !seen.contains(&id);
+        seen.push(id);
+        first
+    }
 }
 
 impl Tried {
