@@ -23,8 +23,8 @@ pub use table::Row;
 /// The whole table is written each time, so of a thousand rows not after each: what a run that is stopped loses is this much.
 const SAVED_EVERY: Duration = Duration::from_secs(2);
 
-/// Does each task whose key is not among `earlier`, several at a time, and returns all rows in the order of the manifest. Every two seconds
-/// and at the end `save` gets the rows there are: a run that is stopped goes on from them.
+/// Does each task whose key is not among `earlier`, several at a time, and returns all rows in the order of the manifest. After each
+/// `SAVED_EVERY` and at the end `save` gets the rows there are: a run that is stopped goes on from them.
 ///
 /// # Errors
 /// What `save` says; the tasks that are left are not begun then.

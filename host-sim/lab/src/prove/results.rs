@@ -13,7 +13,7 @@ use crate::Error;
 /// What made a score.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Origin {
-    /// The command as it was typed.
+    /// The command as it was typed, without the folders of the machine it ran on.
     pub command: String,
     /// Commit of the sources that lie here, and whether they differ from it.
     pub commit: String,
@@ -38,9 +38,8 @@ impl Origin {
         let changed = git(&["status", "--porcelain", "--untracked-files=no"]).is_some_and(|text| !text.is_empty());
         let seeds =
             || ran.outcomes.iter().map(|outcome| outcome.truth.seed).chain(ran.failures.iter().map(|(seed, _)| *seed));
-        let words: Vec<String> = std::env::args().skip(1).collect();
         Ok(Self {
-            command: format!("servo-lab {}", words.join(" ")),
+            command: command(std::env::args().skip(1)),
             commit: if changed { format!("{commit}, with changes") } else { commit },
             program: conceal::seal::hash(&bytes),
             seeds: [seeds().min().unwrap_or(0), seeds().max().unwrap_or(0)],
@@ -93,8 +92,28 @@ pub fn document(results: &Results) -> String {
 
 /// One table as Markdown, with the reasons where there is no answer.
 pub fn table_document(title: &str, table: &Table, without: &[String]) -> String {
-    let words: Vec<String> = std::env::args().skip(1).collect();
     let table = markdown(table);
     let without: String = without.iter().map(|line| format!("\n{line}\n")).collect();
-    format!("# {title}\n\nMade by `servo-lab {}`.\n\n{table}{without}", words.join(" "))
+    format!("# {title}\n\nMade by `{}`.\n\n{table}{without}", command(std::env::args().skip(1)))
+}
+
+/// The command with those words: of a path from the root only its last part, for the rest is of one machine.
+fn command(words: impl Iterator<Item = String>) -> String {
+    let told = |word: String| match Path::new(&word) {
+        path if path.is_absolute() => path.file_name().map_or(word.clone(), |name| name.to_string_lossy().into_owned()),
+        _ => word,
+    };
+    std::iter::once("servo-lab".to_owned()).chain(words.map(told)).collect::<Vec<_>>().join(" ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::command;
+
+    #[test]
+    fn a_command_is_told_without_the_folders_of_a_machine() {
+        let words = ["prove", "--count", "4", "--out", "/home/a/out", "--write-results", "docs/R.md", "--set", "/"];
+        let told = command(words.map(str::to_owned).into_iter());
+        assert_eq!(told, "servo-lab prove --count 4 --out out --write-results docs/R.md --set /");
+    }
 }
