@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
 pub use self::changes::Change;
 use self::changes::{Added, Subject};
 use self::log::Log;
-use super::answer::Estimate;
+use super::answer::{Estimate, Named};
 use super::run::Settings;
 use super::text::Table;
 use super::tool::{Question, read_json};
@@ -171,12 +171,11 @@ impl Followed {
         let named = [names(before), names(after)];
         let mut values = [0, 0];
         for effect in &before.effects {
-            let Some(other) = after.effects.iter().find(|other| other.id == effect.id) else { continue };
-            for one in &effect.parameters {
-                let Some(found) = other.parameters.iter().find(|found| found.id == one.id) else { continue };
-                if let Some(agree) = agrees(change, &effect.id, one, found) {
-                    values = [values[0] + usize::from(agree), values[1] + 1];
-                }
+            // Of several of one name, as orders of a cogging, the one that agrees most.
+            let others = after.effects.iter().filter(|other| other.id == effect.id);
+            let counts = others.map(|other| agreeing(change, effect, other));
+            if let Some([agree, all]) = counts.max_by_key(|[agree, _]| *agree) {
+                values = [values[0] + agree, values[1] + all];
             }
         }
         let added = added.map(|added| came_back(added, before, after));
@@ -192,6 +191,15 @@ impl Followed {
 
 fn half(estimate: &Estimate) -> Option<f64> {
     Some(0.5 * (estimate.high? - estimate.low?))
+}
+
+/// Of the values that two effects have, how many agree and how many there are.
+fn agreeing(change: Change, effect: &Named, other: &Named) -> [usize; 2] {
+    let pairs = effect.parameters.iter().filter_map(|one| {
+        let found = other.parameters.iter().find(|found| found.id == one.id)?;
+        agrees(change, &effect.id, one, found)
+    });
+    pairs.fold([0, 0], |[agree, all], one| [agree + usize::from(one), all + 1])
 }
 
 /// Whether a value is what the change makes of it, within both intervals; none where there is no interval.
