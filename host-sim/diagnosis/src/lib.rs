@@ -19,6 +19,7 @@ pub mod pipeline;
 pub mod problem;
 pub mod ranking;
 pub mod recorded;
+pub mod remainder;
 pub mod repetition;
 pub mod score;
 pub mod search;

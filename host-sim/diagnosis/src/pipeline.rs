@@ -1,14 +1,12 @@
 //! From recordings to the conclusion; the only place that knows every stage.
 
-use crate::confidence_set::{Comparison, Interval, LEVEL_OF_THE_SET, SMALLEST_SIZE, Step, excluded, intervals};
+use crate::confidence_set::{Comparison, Interval, Step, excluded, intervals};
 use crate::effects::{Effect, VOCABULARY};
-use crate::goodness::{Predictor, predictors};
-use crate::hypothesis::{Entry, Hypothesis, Refitted, refit};
-use crate::likelihood::Noise;
+use crate::hypothesis::{Entry, Hypothesis, refit};
 use crate::problem::Problem;
+use crate::remainder::{Remainder, remainder};
 use crate::search::{Found, LEVEL_OF_A_STEP, Odds, Rejected, SMALLEST_GAIN, first_noise, gain, p_value, search};
 use crate::verdict::{Standing, Verdict, verdict};
-use crate::windows::window_s;
 use crate::work::WORK;
 
 /// One effect of the answer.
@@ -32,17 +30,6 @@ pub struct Named {
     pub gain: f64,
     /// Index of the recording it happens in, for events.
     pub recording: Option<usize>,
-}
-
-/// What is left and predictable.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Remainder {
-    /// Torque that the noise model has to stand in for, root mean square, N m (N).
-    pub torque_rms: f64,
-    /// Channels that predict part of what is left, best first.
-    pub predictors: Vec<Predictor>,
-    /// Effects that would certainly add to the likelihood, but too little to the motion to be named.
-    pub unnamed: Vec<&'static Effect>,
 }
 
 /// The conclusion with everything it was drawn from.
@@ -221,10 +208,11 @@ fn without_weak(finer: &Problem, mut found: Found) -> Found {
         let best = &found.best.assessed;
         let rise = best.refitted.log_likelihood - without.assessed.refitted.log_likelihood;
         let gain = gain(finer, &found.best, &without, at);
-        if p_value(best, at, rise, Odds::of_one()) < LEVEL_OF_A_STEP && gain >= SMALLEST_GAIN {
+        let certain = p_value(best, at, rise, Odds::of_one()) < LEVEL_OF_A_STEP;
+        if certain && gain >= SMALLEST_GAIN {
             break;
         }
-        found.take_out(at, without, gain);
+        found.take_out(at, without.widened(finer), gain, certain);
     }
     found
 }
@@ -242,7 +230,7 @@ fn without_doubtful(finer: &Problem, mut found: Found) -> Found {
         }
         let Some(without) = found.best.without(finer, at) else { return found };
         let gain = found.best.windows.gain_over(&without.windows, finer);
-        found.take_out(at, without, gain);
+        found.take_out(at, without.widened(finer), gain, false);
     }
 }
 
@@ -313,62 +301,4 @@ fn named(problem: &Problem, found: &Found) -> (Vec<Named>, Vec<Hypothesis>) {
     in_the_set.sort_by(|a, b| a.0.total_cmp(&b.0));
     let others = in_the_set.into_iter().map(|(_, hypothesis)| hypothesis);
     (effects, std::iter::once(best.refitted.hypothesis.clone()).chain(others).collect())
-}
-
-/// What is left is told as the mean torque over this time, s: longer than the sensor's noise, shorter than motion.
-const REMAINDER_S: f64 = 0.02;
-
-/// The torque that the samples say is missing, root mean square of its means, N m (N).
-fn torque_rms(problem: &Problem, refitted: &Refitted) -> f64 {
-    let (mut squares, mut count) = (0.0, 0_usize);
-    for (recorded, innovations) in problem.recordings.iter().zip(&refitted.evaluation.innovations) {
-        let rows = ((REMAINDER_S / recorded.period_s().max(f64::MIN_POSITIVE)).round() as usize).max(1);
-        for torques in innovations.left_torque.chunks_exact(rows) {
-            let torque = torques.iter().sum::<f64>() / rows as f64;
-            squares += torque * torque;
-            count += 1;
-        }
-    }
-    (squares / count.max(1) as f64).sqrt()
-}
-
-/// Smallest relevant torque over the drive's where nothing is named: the smallest size of what is named, a fiftieth, of the typical
-/// change of a torque, 5 %.
-const SMALLEST_TORQUE: f64 = SMALLEST_SIZE * 0.05;
-
-/// Relative fall of windows' root mean square if a steady torque of that size were known: over the longer horizon it adds to the mean
-/// torque that the noise leaves there.
-fn share_of_windows(problem: &Problem, refitted: &Refitted, torque_rms: f64) -> f64 {
-    let horizon_s = window_s(problem, 1);
-    let density: f64 = refitted.noise.iter().map(Noise::slow_density).sum::<f64>() / refitted.noise.len().max(1) as f64;
-    let noise = (density / horizon_s.max(f64::MIN_POSITIVE)).max(f64::MIN_POSITIVE);
-    1.0 - (1.0 + torque_rms * torque_rms / noise).sqrt().recip()
-}
-
-/// What is left, if a channel predicts a relevant part of it, or if another effect certainly adds to the likelihood, a relevant
-/// part of what was gained, without being worth a name.
-fn remainder(problem: &Problem, found: &Found) -> Option<Remainder> {
-    let refitted = &found.best.assessed.refitted;
-    let all = predictors(problem, refitted);
-    let level = LEVEL_OF_THE_SET / all.len().max(1) as f64;
-    let gained = refitted.log_likelihood - found.nominal.assessed.refitted.log_likelihood;
-    let part = |rise: f64| gained > 0.0 && rise >= SMALLEST_GAIN * gained;
-    // Beside effects the least counts, for their values may have absorbed more of it.
-    let alone = refitted.hypothesis.entries.is_empty();
-    let least = if alone { SMALLEST_TORQUE * problem.excitation.torque_rms } else { 0.0 };
-    let windows = |one: &Predictor| {
-        let torque_rms = one.torque_rms.filter(|torque_rms| *torque_rms >= least);
-        torque_rms.map_or(0.0, |torque_rms| share_of_windows(problem, refitted, torque_rms))
-    };
-    let worth_it = |one: &Predictor| one.p_value < level && one.rise > problem.price() * one.freedom as f64;
-    // A memory of the noise is no physics that was left out until it is a relevant part of what is left.
-    let relevant = |one: &Predictor| one.share.max(windows(one)) >= SMALLEST_GAIN;
-    let predictors: Vec<Predictor> = all.into_iter().filter(|one| worth_it(one) && relevant(one)).collect();
-    let unnamed = found.rejected.iter().filter(|one| one.certain && part(one.rise));
-    let unnamed: Vec<&'static Effect> = unnamed.map(|one| one.effect).collect();
-    (!predictors.is_empty() || !unnamed.is_empty()).then(|| Remainder {
-        torque_rms: torque_rms(problem, refitted),
-        predictors,
-        unnamed,
-    })
 }

@@ -41,12 +41,13 @@ pub struct Found {
 }
 
 impl Found {
-    /// Goes on with the best `without` an entry, which brought `gain`, and tells it among the rejected.
-    pub(crate) fn take_out(&mut self, entry: usize, without: Step, gain: f64) {
+    /// Goes on with the best `without` an entry, which brought `gain`, and tells it among the rejected, with whether chance explains it.
+    pub(crate) fn take_out(&mut self, entry: usize, without: Step, gain: f64, certain: bool) {
         let best = &self.best.assessed.refitted;
         let rise = best.log_likelihood - without.assessed.refitted.log_likelihood;
         let effect = best.hypothesis.entries[entry].effect;
-        self.rejected.push(Rejected { effect, rise, gain: Some(gain), certain: false });
+        let certain = certain && is_part_of_it(effect, gain);
+        self.rejected.push(Rejected { effect, rise, gain: Some(gain), certain });
         self.best = without;
         self.forget(entry);
     }
@@ -232,10 +233,10 @@ fn not_taken(problem: &Problem, from: &Step, Extended { refitted: to, odds, .. }
     Some(Rejected { effect, rise, gain, certain })
 }
 
-/// Whether an effect that brings this much less is part of what is missing: what brings the motion no nearer is not, nor what changes
-/// samples and no motion by less than is relevant.
+/// Whether an effect that brings this much less is part of what is missing: what changes samples and no motion is not, if that is less
+/// than is relevant.
 fn is_part_of_it(effect: &Effect, gain: f64) -> bool {
-    gain > 0.0 && (!effect.changes_samples_only() || gain >= SMALLEST_GAIN)
+    !effect.changes_samples_only() || gain >= SMALLEST_GAIN
 }
 
 /// The step to a hypothesis with one entry more, if it is worth it.
@@ -258,8 +259,7 @@ pub(crate) fn gain(problem: &Problem, with: &Step, without: &Step, entry: usize)
     let entry = &with.assessed.refitted.hypothesis.entries[entry];
     if entry.effect.changes_samples_only() {
         // What changes samples and no motion shows in no window: the fall of the innovations' typical size instead.
-        let rise = with.assessed.refitted.log_likelihood - without.assessed.refitted.log_likelihood;
-        return 1.0 - (-rise / problem.residuals().max(1) as f64).exp();
+        return fall(problem, with.assessed.refitted.log_likelihood - without.assessed.refitted.log_likelihood);
     }
     let span = (entry.effect.span)(&entry.values);
     span.and_then(|(recording, from_s, to_s)| {
@@ -268,6 +268,11 @@ pub(crate) fn gain(problem: &Problem, with: &Step, without: &Step, entry: usize)
         Some(with.windows.gain_at(&without.windows, recording, &rows))
     })
     .unwrap_or_else(|| with.windows.gain_over(&without.windows, problem))
+}
+
+/// Relative fall of the innovations' typical size that a rise of the log-likelihood is.
+pub(crate) fn fall(problem: &Problem, rise: f64) -> f64 {
+    1.0 - (-rise / problem.residuals().max(1) as f64).exp()
 }
 
 /// What competes beside a vocabulary and may not be named: all but what is an effect of it under another name.

@@ -136,8 +136,11 @@ fn what_is_smaller_than_relevant_is_not_away_from_the_nominal_value() {
         let problem = made(making, machine(), &Model { cogging, ..machine() });
         let start = Hypothesis::default().with(find("cogging").unwrap(), vec![7.0, 0.0, 0.0]);
         let found = assess(&problem, refit(&problem, &start, &first_noise(&problem), 10).unwrap()).unwrap();
-        let value = intervals(&found, 0)[0];
-        assert!(0.9 * amplitude < value.low && value.high < 1.1 * amplitude, "{value:?}");
+        let found_amplitude = intervals(&found, 0)[0];
+        assert!((found_amplitude.value - amplitude).abs() < 0.1 * amplitude, "{found_amplitude:?}");
+        // A fiftieth of a typical change is the least that is known of it.
+        let half = 0.5 * (found_amplitude.high - found_amplitude.low);
+        assert!((1.9e-3..2.3e-3).contains(&half), "{found_amplitude:?}");
         assert_eq!(found.away_from_neutral(&problem, 0), away, "{amplitude}");
     }
 }

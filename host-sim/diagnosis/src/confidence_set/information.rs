@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::intervals::critical_value;
+use super::intervals::{SMALLEST_SIZE, critical_value};
 use super::profile::Profile;
 use crate::hypothesis::{Hypothesis, Refitted, columns, kept, ranges};
 use crate::likelihood::{Colour, Noise};
@@ -26,6 +26,8 @@ pub struct Assessed {
     blocks: usize,
     /// What the likelihood itself says of the values beyond the quadratic that the covariance is; none until it was asked.
     pub(super) profile: Option<Profile>,
+    /// Smallest relevant sizes of the free values.
+    pub(super) smallest: Vec<f64>,
 }
 
 impl Assessed {
@@ -115,9 +117,10 @@ pub fn assess(problem: &Problem, refitted: Refitted) -> Option<Assessed> {
     let Linearised { scores, parts, information } = linearised(problem, &refitted.hypothesis, &refitted.noise)?;
     let covariance = sandwich(&information, &scores)?;
     let naive = information.clone().cholesky()?.inverse().diagonal().iter().copied().collect();
+    let smallest = ranges(problem, &refitted.hypothesis).iter().map(|range| SMALLEST_SIZE * range.scale).collect();
     let crossed = crossed(problem, &refitted, &information, &scores, &parts);
     let blocks = scores.iter().map(Vec::len).sum();
-    Some(Assessed { refitted, crossed, covariance, naive, information, blocks, profile: None })
+    Some(Assessed { refitted, crossed, covariance, naive, information, blocks, profile: None, smallest })
 }
 
 /// The noise of a recording stands in for what its model leaves out, such as the shape of a sensor's rounding: on three tuning recordings

@@ -31,7 +31,8 @@ pub fn critical_value(blocks: usize, lags: usize) -> f64 {
 }
 
 /// Reported values of an entry with their intervals: the fitted values' covariance through the report, linearised, and stretched to
-/// where the likelihood falls as far as that says.
+/// where the likelihood falls as far as that says. To that comes the smallest relevant size, as a scatter of its own: of another way to
+/// integrate the same machine no model knows more.
 pub fn intervals(best: &Assessed, at: usize) -> Vec<Interval> {
     let entry = &best.refitted.hypothesis.entries[at];
     let slopes = slopes(best, at);
@@ -41,7 +42,8 @@ pub fn intervals(best: &Assessed, at: usize) -> Vec<Interval> {
             None => half_width(best, &slopes[index]),
         };
         let [down, up] = best.profile.as_ref().map_or([1.0; 2], |profile| profile.stretch(at, index));
-        Interval { value, low: value - half * down, high: value + half * up }
+        let least = smallest(best, at, &slopes[index]);
+        Interval { value, low: value - (half * down).hypot(least), high: value + (half * up).hypot(least) }
     };
     (entry.effect.report)(&entry.values).into_iter().enumerate().map(one).collect()
 }
@@ -50,6 +52,13 @@ pub fn intervals(best: &Assessed, at: usize) -> Vec<Interval> {
 pub(super) fn half_width(best: &Assessed, slopes: &[f64]) -> f64 {
     let slopes = DVector::from_column_slice(slopes);
     best.critical_value() * slopes.dot(&(&best.covariance * &slopes)).max(0.0).sqrt()
+}
+
+/// What the smallest relevant sizes of an entry's own free values make of a reported value with those slopes.
+fn smallest(best: &Assessed, at: usize, slopes: &[f64]) -> f64 {
+    let places = best.refitted.hypothesis.free();
+    let of = places.iter().zip(slopes).zip(&best.smallest).filter(|(((of, _), _), _)| *of == at);
+    of.map(|((_, slope), smallest)| (slope * smallest).powi(2)).sum::<f64>().sqrt()
 }
 
 /// For each reported value of an entry its slope over every free value, in the order of [`crate::hypothesis::Hypothesis::free`].
@@ -87,16 +96,9 @@ impl Assessed {
         let entry_at = &self.refitted.hypothesis.entries[entry];
         let effect = entry_at.effect;
         let neutral = (effect.neutral)(&problem.nominal);
-        let ranges = effect.ranges(entry_at.values.len(), &problem.nominal, &problem.excitation);
         let (found, slopes) = (intervals(self, entry), slopes(self, entry));
-        let places = self.refitted.hypothesis.free();
-        // What a typical change of the fitted values makes of a reported one: of an amplitude, that of its sine and cosine.
-        let typical = |at: usize| {
-            let of = places.iter().zip(&slopes[at]).filter(|((of, _), _)| *of == entry);
-            of.map(|((_, index), slope)| (slope * ranges[*index].scale).powi(2)).sum::<f64>().sqrt()
-        };
         effect.leading.iter().filter_map(|&at| Some((at, found.get(at)?))).any(|(at, one)| {
-            let relevant = (one.value - neutral).abs() >= SMALLEST_SIZE * typical(at);
+            let relevant = (one.value - neutral).abs() >= smallest(self, entry, &slopes[at]);
             relevant && !(one.low <= neutral && neutral <= one.high)
         })
     }

@@ -17,6 +17,8 @@ pub use intervals::{Interval, TWO_SIDED_95, intervals, slopes};
 
 /// Steps of a refit on a finer grid, from values that a coarser one gave.
 const STEPS: usize = 4;
+/// Steps of one that has an entry less, whose place others may take.
+const STEPS_WITHOUT: usize = 10;
 
 /// A hypothesis at its optimum, with what its windows leave.
 #[derive(Debug, Clone)]
@@ -51,10 +53,10 @@ impl Step {
         self.profiled(problem)
     }
 
-    /// Without one of its entries, refitted.
+    /// Without one of its entries, refitted on the same grid; its intervals are those of the search.
     pub fn without(&self, problem: &Problem, entry: usize) -> Option<Self> {
         let Refitted { hypothesis, noise, .. } = &self.assessed.refitted;
-        Self::new(problem, refit(problem, &hypothesis.without(entry), noise, STEPS)?)?.estimated(problem)
+        Self::new(problem, refit(problem, &hypothesis.without(entry), noise, STEPS_WITHOUT)?)
     }
 
     /// Whether all of its effects may be named.

@@ -2,7 +2,7 @@
 
 use crate::confidence_set::{Comparison, LEVEL_OF_THE_SET, Step, compare, excluded};
 use crate::effects::Effect;
-use crate::hypothesis::{Refitted, refit};
+use crate::hypothesis::refit;
 use crate::problem::Problem;
 
 use super::around::{Around, Extended, Odds, REFITTED};
@@ -128,8 +128,7 @@ impl<'a> Neighbourhood<'a> {
         if self.entries() == 1 {
             return Some(self.nominal.clone());
         }
-        let Refitted { hypothesis, noise, .. } = &self.best.assessed.refitted;
-        Step::new(self.problem, refit(self.problem, &hypothesis.without(at), noise, 10)?)
+        self.best.without(self.problem, at)
     }
 
     /// Goes on from another hypothesis, whose entry in the place of the one at `at`, if there is one, stands last.
