@@ -381,11 +381,14 @@ pub static ENTRIES: &[Entry] = &[
     outside("friction_by_load", &["share"], |s, r| vec![by(0.08, s, r)], |p, v| p.friction.per_load = v[0]),
 ];
 
-/// What differs from one recording of a machine to the next: the phase of a vibration; a push is in the first only.
+/// What differs from one recording of a machine to the next: the phase of what keeps a time of its own; a push is in the first only.
 pub fn for_recording(physics: &Physics, index: usize, random: &mut StdRng) -> Physics {
     let mut physics = physics.clone();
     if let Some((_, _, phase)) = &mut physics.vibration {
         *phase = random.random_range(0.0..TAU);
+    }
+    if let Some(hiding) = &mut physics.hidden {
+        hiding.for_recording(random);
     }
     if index > 0 {
         physics.pulse = None;

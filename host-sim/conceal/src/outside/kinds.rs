@@ -2,13 +2,15 @@
 
 use std::f64::consts::TAU;
 
-use super::{Hidden, Kind, Needs, Put, Scales, Shape, drive, fluid, friction, later, mechanics, sensor, spring};
+use super::{
+    Hidden, Kind, Needs, Put, Scales, Shape, drive, fluid, friction, later, mechanics, sensor, spring, unseen,
+};
 use crate::catalogue;
 use crate::physics::{Physics, Wave};
 
 /// Every kind.
 pub fn kinds() -> impl Iterator<Item = &'static Kind> {
-    KINDS.iter().chain(later::KINDS)
+    KINDS.iter().chain(later::KINDS).chain(unseen::KINDS)
 }
 
 /// The kind called `id`.
@@ -32,7 +34,7 @@ pub(super) const fn beside(
     values: Values,
     make: fn(&[f64]) -> Box<dyn Hidden>,
 ) -> Kind {
-    Kind { id, family, parameters, needs: Needs::Nothing, values, put: Put::Beside(make) }
+    Kind { id, family, parameters, needs: Needs::Nothing, values, put: Put::Beside(make), free_phase: None }
 }
 
 const fn number(
@@ -42,7 +44,7 @@ const fn number(
     values: Values,
     put: fn(&mut Physics, &[f64]),
 ) -> Kind {
-    Kind { id, family, parameters, needs: Needs::Nothing, values, put: Put::Number(put) }
+    Kind { id, family, parameters, needs: Needs::Nothing, values, put: Put::Number(put), free_phase: None }
 }
 
 pub(super) const fn of_fluid(kind: Kind) -> Kind {
@@ -75,7 +77,7 @@ fn whole_order(scales: &Scales, shape: &Shape) -> f64 {
     order(scales, shape).round().max(1.0)
 }
 
-fn power(scales: &Scales) -> f64 {
+pub(super) fn power(scales: &Scales) -> f64 {
     scales.torque * scales.speed
 }
 

@@ -4,7 +4,7 @@ use super::kinds::{beside, of_drive, of_fluid, order, phase};
 use super::{Kind, Scales, Shape, drive, fluid, friction, mechanics, sensor};
 
 /// A time in which the axis goes through half of its way, s.
-fn passing_s(scales: &Scales) -> f64 {
+pub(super) fn passing_s(scales: &Scales) -> f64 {
     scales.travel / scales.speed
 }
 

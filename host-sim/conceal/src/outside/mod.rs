@@ -13,8 +13,13 @@ mod mechanics;
 mod named_since;
 mod sensor;
 mod spring;
+mod unseen;
 
+use std::f64::consts::TAU;
 use std::fmt;
+
+use rand::Rng;
+use rand::rngs::StdRng;
 
 pub use kinds::{families, find, kinds};
 
@@ -140,6 +145,8 @@ pub struct Kind {
     /// Values at a size: 0 for no effect, 1 for one as large as the motion's own torques. The first tells the strength.
     pub(crate) values: fn(&Scales, f64, &Shape) -> Vec<f64>,
     pub(crate) put: Put,
+    /// Which value is a phase that each recording has of its own, as the clock of something else has nothing to do with their start.
+    pub(crate) free_phase: Option<usize>,
 }
 
 impl Kind {
@@ -174,6 +181,13 @@ impl PartialEq for Hiding {
 }
 
 impl Hiding {
+    /// Draws what differs from one recording to the next.
+    pub(crate) fn for_recording(&mut self, random: &mut StdRng) {
+        if let Some(index) = self.kind.free_phase {
+            self.values[index] = random.random_range(0.0..TAU);
+        }
+    }
+
     /// The effect before its first step; none for a kind that is a number of the machine.
     pub(crate) fn begin(&self) -> Option<Box<dyn Hidden>> {
         match self.kind.put {
