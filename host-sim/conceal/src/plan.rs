@@ -281,7 +281,7 @@ const FAMILIES: usize = 6;
 
 /// Families outside the vocabulary that the tool was tuned beside, and since when. They are never scored as unseen again: a family
 /// is added here as soon as one case of it has been looked into.
-pub const LEDGER: [(&str, &str); 25] = [
+pub const LEDGER: [(&str, &str); 26] = [
     ("friction over position", "friction_over_position, round 20000 of the fixed plan"),
     ("friction over load", "friction_by_load, round 20000 of the fixed plan"),
     ("friction over rest", "stiction_by_rest, round 20000 of the fixed plan"),
@@ -307,6 +307,7 @@ pub const LEDGER: [(&str, &str); 25] = [
     ("drive in steps", "torque_steps, round 230000 of the drawn plan"),
     ("load that follows", "stirred_fill, round 230000 of the drawn plan"),
     ("fluid over direction", "overshoot_at_turns, round 230000 of the drawn plan"),
+    ("drive over speed", "eddy_brake, round 230000 of the drawn plan"),
 ];
 
 /// Families of a round: of those in the ledger below [`TUNING`], of the others from there on.
