@@ -7,7 +7,7 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use crate::confidence_set::{Assessed, Comparison, Step};
 use crate::effects::{Effect, NUISANCES};
-use crate::hypothesis::{Entry, Hypothesis, Refitted, coloured_noise, noise_of, refit};
+use crate::hypothesis::{Entry, Hypothesis, Refitted, coloured_noise, noise_of, refit, with_its_order};
 use crate::likelihood::Noise;
 use crate::problem::Problem;
 
@@ -201,7 +201,7 @@ fn forward(problem: &Problem, vocabulary: &[&'static Effect], from: Step, around
         match taken {
             Some(((next, taken), odds)) => {
                 tried.push(Odds { taken, ..odds });
-                best = next;
+                best = at_its_order(problem, next);
                 moved = Some(Around::new(&best.assessed.refitted, vocabulary));
             }
             None if among.len() < vocabulary.len() => among = vocabulary,
@@ -213,6 +213,16 @@ fn forward(problem: &Problem, vocabulary: &[&'static Effect], from: Step, around
         }
     }
     Forward { best, tried, rejected }
+}
+
+/// With the order of its last entry, if it has one, where the likelihood has its top.
+fn at_its_order(problem: &Problem, step: Step) -> Step {
+    let Some(last) = step.assessed.refitted.hypothesis.entries.len().checked_sub(1) else { return step };
+    let found = with_its_order(problem, step.assessed.refitted.clone(), last);
+    if found.hypothesis == step.assessed.refitted.hypothesis {
+        return step;
+    }
+    Step::new(problem, found).unwrap_or(step)
 }
 
 /// What was found around where a search has moved to, or around where it began.

@@ -12,6 +12,7 @@ pub static EFFECT: Effect = Effect {
     report: amplitude_order_phase,
     fitted: order_sine_cosine,
     columns: Columns::Each,
+    ordered: true,
     repeats: true,
     looked_at: |e| e.looked_at[0],
     measured_by: Some(HOLDING),

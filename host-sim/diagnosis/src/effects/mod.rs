@@ -192,6 +192,8 @@ pub struct Effect {
     pub leading: &'static [usize],
     /// How its columns are made.
     pub columns: Columns,
+    /// Its first value is an order over position.
+    pub ordered: bool,
     /// It may stand in a hypothesis more than once.
     pub repeats: bool,
     /// Recording, start and end, s, of what happens once: nothing elsewhere can predict it. None for what holds always.
@@ -229,6 +231,7 @@ pub(crate) const PLAIN: Effect = Effect {
     neutral: |_| 0.0,
     leading: &[0],
     columns: Columns::Whole,
+    ordered: false,
     repeats: false,
     span: |_| None,
     once: false,

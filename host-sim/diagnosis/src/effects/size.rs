@@ -16,6 +16,8 @@ pub enum Size {
     Damping,
     /// Torque over the square of the largest speed.
     Drag,
+    /// The largest commanded field.
+    Field,
     /// Torque over the travel.
     Stiffness,
     /// The largest speed.
@@ -44,6 +46,7 @@ impl Size {
             Self::TorquePeak => excitation.torque_peak,
             Self::Damping => excitation.torque_rms / speed,
             Self::Drag => excitation.torque_rms / (speed * speed),
+            Self::Field => excitation.field_peak,
             Self::Stiffness => excitation.torque_rms / travel,
             Self::Speed => speed,
             Self::Inertia => physics.model.inertia,

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use crate::likelihood::filter::{Driven, HUBER, Innovations, Path, Prepared};
 use crate::likelihood::inverse::{Motion, Residual};
-use crate::likelihood::{Acting, MissingTorque, Noise, Window};
+use crate::likelihood::{Acting, Noise, Window};
 use crate::physics::Physics;
 use crate::problem::Problem;
 
@@ -192,16 +192,13 @@ impl Kept {
     }
 
     /// The torque that is missing in each substep of one recording, as [`Prepared::missing_torque`] has it.
-    pub(crate) fn missing_torque(&self, problem: &Problem, index: usize) -> MissingTorque {
+    pub(crate) fn missing_torque(&self, problem: &Problem, index: usize) -> Vec<f64> {
         let kept = &self.recordings[index];
         let driven = driven(problem, index, &kept.acting);
         match (&kept.path, problem.motions.get(index)) {
             (Some(path), _) => kept.prepared.missing_torque(path, &kept.innovations, driven.grid),
-            (None, Some(motion)) => {
-                let missing = kept.prepared.missing_along(motion, driven, &kept.innovations, &self.noise[index]);
-                MissingTorque { if_free: missing.clone(), held: missing }
-            }
-            (None, None) => MissingTorque::none(driven.grid.substeps()),
+            (None, Some(motion)) => kept.prepared.missing_along(motion, driven, &kept.innovations, &self.noise[index]),
+            (None, None) => vec![0.0; driven.grid.substeps()],
         }
     }
 }

@@ -53,7 +53,7 @@ impl Refitted {
 }
 
 /// Log-likelihood below which a step has found nothing more: a hundredth of what any test asks for.
-const SETTLED: f64 = 0.05;
+pub(super) const SETTLED: f64 = 0.05;
 
 /// Fits the free values, and the noise with them, from where they are, in at most `rounds` steps.
 pub fn refit(problem: &Problem, start: &Hypothesis, noise: &[Noise], rounds: usize) -> Option<Refitted> {

@@ -112,8 +112,8 @@ impl Prepared {
     }
 
     /// Sensitivity of half the squared whitened innovations to a torque in each substep, with the sign of the torque that is
-    /// missing; the adjoint of the linearised pass.
-    pub(crate) fn missing_torque(&self, path: &Path, innovations: &Innovations, grid: &Grid) -> MissingTorque {
+    /// missing, less what dry friction holds of it; the adjoint of the linearised pass.
+    pub(crate) fn missing_torque(&self, path: &Path, innovations: &Innovations, grid: &Grid) -> Vec<f64> {
         match path {
             Path::Three(stored) => adjoint(stored, innovations, grid),
             Path::Four(stored) => adjoint(stored, innovations, grid),
@@ -172,30 +172,14 @@ impl Prepared {
     }
 }
 
-/// The torque that is missing in each substep, as a sensitivity of half the squared whitened innovations.
-pub(crate) struct MissingTorque {
-    /// Less what dry friction holds of it.
-    pub(crate) held: Vec<f64>,
-    /// As if nothing held: a push that breaks a rotor free shows where it began.
-    pub(crate) if_free: Vec<f64>,
-}
-
-impl MissingTorque {
-    /// None in any substep.
-    pub(crate) fn none(substeps: usize) -> Self {
-        Self { held: vec![0.0; substeps], if_free: vec![0.0; substeps] }
-    }
-}
-
-fn adjoint<const N: usize>(stored: &Stored<N>, innovations: &Innovations, grid: &Grid) -> MissingTorque {
-    let mut missing = MissingTorque::none(stored.steps.len());
+fn adjoint<const N: usize>(stored: &Stored<N>, innovations: &Innovations, grid: &Grid) -> Vec<f64> {
+    let mut missing = vec![0.0; stored.steps.len()];
     let mut a = [0.0; N];
     for (row, kept) in stored.rows.iter().enumerate().rev() {
         if row + 1 < stored.rows.len() {
             for index in (grid.first[row] as usize..grid.first[row + 1] as usize).rev() {
-                let Linear { jacobian: f, push, gain, .. } = &stored.steps[index].linear;
-                missing.held[index] = (0..N).map(|i| a[i] * push[i]).sum();
-                missing.if_free[index] = gain * (a[SPEED] + 0.5 * grid.dt_s[row] * a[POSITION]);
+                let Linear { jacobian: f, push, .. } = &stored.steps[index].linear;
+                missing[index] = (0..N).map(|i| a[i] * push[i]).sum();
                 let mut before = [0.0; N];
                 for (j, before) in before.iter_mut().enumerate() {
                     *before = (0..N).map(|i| a[i] * f[i][j]).sum();

@@ -11,7 +11,7 @@ pub(crate) mod inverse;
 mod noise;
 
 pub use acting::{Acting, Lately};
-pub(crate) use along::{MissingTorque, Window};
+pub(crate) use along::Window;
 pub use filter::Innovations;
 pub use grid::Grid;
 pub(crate) use noise::Rounding;

@@ -32,7 +32,7 @@ pub(crate) fn seek(problem: &Problem, path: &Kept) -> Excitation {
     excitation.orders = orders(&missing, &problem.excitation, |_, _| 1.0);
     // A ripple's missing torque goes along with the drive's.
     excitation.ripple_orders = orders(&missing, &problem.excitation, |one, row| one.drive[row]);
-    excitation.tones = tones(&missing, excitation.recordings);
+    excitation.tones = tones(&missing, excitation.recordings, problem.band_hz());
     excitation.pulses = pushes(&missing, problem.motions.first().map_or(0.0, Motion::support_s));
     excitation.glitch = glitch(path);
     let rows = missing.iter().map(|one| one.torque.len()).max().unwrap_or(0) as f64;
@@ -57,8 +57,7 @@ fn of_recording<'a>(problem: &'a Problem, path: &Kept, index: usize, kept: &'a K
         (0..grid.dt_s.len()).map(sum).collect()
     };
     Missing {
-        torque: rows(&fine.held),
-        if_free: rows(&fine.if_free),
+        torque: rows(&fine),
         drive: mean_over_rows(&kept.acting.drive.drive, grid),
         position: &kept.innovations.position,
         t_s: &problem.recordings[index].t_s,
@@ -88,8 +87,6 @@ fn glitch(path: &Kept) -> Option<(f64, f64)> {
 
 struct Missing<'a> {
     torque: Vec<f64>,
-    /// As if dry friction held nothing of it.
-    if_free: Vec<f64>,
     /// The drive's, N m (N).
     drive: Vec<f64>,
     position: &'a [f64],
@@ -157,8 +154,8 @@ fn peaks(power: &[f64], most: usize) -> Vec<usize> {
     found.into_iter().take(most).map(|(_, index)| index).collect()
 }
 
-/// Tones of the missing torque over time, best first, without amplitudes.
-fn tones(missing: &[Missing<'_>], recordings: usize) -> Vec<Tone> {
+/// Tones of the missing torque over time, best first, without amplitudes, within the band that is judged.
+fn tones(missing: &[Missing<'_>], recordings: usize, band_hz: Option<f64>) -> Vec<Tone> {
     let Some(longest) = missing.iter().max_by_key(|one| one.torque.len()) else { return Vec::new() };
     let (rows, duration_s) = (longest.torque.len(), longest.t_s[longest.torque.len()] - longest.t_s[0]);
     let length = (2 * rows).next_power_of_two();
@@ -178,6 +175,8 @@ fn tones(missing: &[Missing<'_>], recordings: usize) -> Vec<Tone> {
     }
     // Below three periods in the longest recording a tone is no tone.
     let lowest = (3.0 * length as f64 * dt_s / duration_s).ceil() as usize;
+    let highest = band_hz.map_or(power.len(), |hz| (hz * length as f64 * dt_s).floor() as usize);
+    power.truncate(highest);
     let from = lowest.min(power.len());
     let tone = |index: usize| Tone {
         frequency_hz: (from + index) as f64 / (length as f64 * dt_s),
@@ -189,9 +188,10 @@ fn tones(missing: &[Missing<'_>], recordings: usize) -> Vec<Tone> {
 /// Stretches whose missing torque sums to most, for their length, best first.
 fn pushes(missing: &[Missing<'_>], smeared_s: f64) -> Vec<(usize, Pulse, f64)> {
     let mut found: Vec<(f64, usize, Pulse)> = Vec::new();
+    let tried = (missing.len() * INDEPENDENT_LENGTHS) as f64;
     for (recording, one) in missing.iter().enumerate() {
         let mut sums = vec![0.0];
-        for torque in &one.if_free {
+        for torque in &one.torque {
             sums.push(sums[sums.len() - 1] + torque);
         }
         let period_s = (one.t_s[one.torque.len()] - one.t_s[0]) / one.torque.len().max(1) as f64;
@@ -206,7 +206,6 @@ fn pushes(missing: &[Missing<'_>], smeared_s: f64) -> Vec<(usize, Pulse, f64)> {
             let Some(&best) = peaks.first() else { continue };
             let duration_s = many as f64 * period_s;
             let pulse = Pulse { start_s: one.t_s[best], duration_s, amplitude: windows[best].signum() };
-            let tried = (missing.len() * INDEPENDENT_LENGTHS) as f64;
             found.push(((tried * by_chance(&windows, &peaks)).min(1.0), recording, pulse));
         }
     }
@@ -214,8 +213,10 @@ fn pushes(missing: &[Missing<'_>], smeared_s: f64) -> Vec<(usize, Pulse, f64)> {
     found.into_iter().take(MOST).map(|(chance, recording, pulse)| (recording, pulse, chance)).collect()
 }
 
-/// Places of the largest sums that are more than that many rows apart, largest first.
+/// Places of the largest sums that are more than that many rows apart, largest first: one more than the tail is fitted to, which is a
+/// quarter of what there is room for, for what lies below is no tail.
 fn apart(windows: &[f64], rows: usize) -> Vec<usize> {
+    let most = 1 + TAIL.min(windows.len() / rows.max(1) / 4);
     let mut order: Vec<usize> = (0..windows.len()).collect();
     order.sort_by(|a, b| windows[*b].abs().total_cmp(&windows[*a].abs()));
     let mut kept: Vec<usize> = Vec::new();
@@ -223,7 +224,7 @@ fn apart(windows: &[f64], rows: usize) -> Vec<usize> {
         if kept.iter().all(|other| index.abs_diff(*other) > rows) {
             kept.push(index);
         }
-        if kept.len() == TAIL + 1 {
+        if kept.len() == most {
             break;
         }
     }
@@ -233,15 +234,53 @@ fn apart(windows: &[f64], rows: usize) -> Vec<usize> {
 /// Extremes that the tail is fitted to.
 const TAIL: usize = 12;
 
-/// Probability that the largest of as many extremes is that far beyond the second: the tail of the others fitted by Hill's
-/// estimator (1975), so that a residual with heavy tails has no events for its own.
+/// Probability that the largest of some extremes is that far beyond the second, in the tail of the others (Hill 1975), so that a residual
+/// with heavy tails has no events for its own. The logarithms of a power law's extremes are apart by independent exponential variables
+/// (Renyi 1953), the first over the others, each times its rank, is distributed as F.
 fn by_chance(windows: &[f64], peaks: &[usize]) -> f64 {
-    if peaks.len() < TAIL + 1 {
-        return 1.0;
+    let [first, others @ .., last] = peaks else { return 1.0 };
+    let log = |at: usize, over: usize| {
+        (windows[at].abs().max(f64::MIN_POSITIVE) / windows[over].abs().max(f64::MIN_POSITIVE)).ln()
+    };
+    let Some(second) = others.first() else { return 1.0 };
+    // Hill's sum with the first at the place of the second, which is that of the distances by rank.
+    let tail: f64 = log(*second, *last) + others.iter().map(|at| log(*at, *last)).sum::<f64>();
+    (1.0 + log(*first, *second) / tail.max(1e-9)).powi(-(others.len() as i32))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_first_of_a_power_law_is_chance_as_often_as_it_says() {
+        // Extremes of a power law by Renyi's distances, from a linear congruential generator.
+        let mut state = 1_u64;
+        let mut exponential = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            -(((state >> 11) as f64 + 0.5) / (1_u64 << 53) as f64).ln()
+        };
+        for (many, index) in [(5, 1.0), (13, 3.0)] {
+            let mut below = 0;
+            for _ in 0..20_000 {
+                let mut log = 0.0;
+                let mut windows = vec![0.0_f64; many];
+                for rank in (1..many).rev() {
+                    log += exponential() / (rank as f64 * index);
+                    windows[rank - 1] = log;
+                }
+                windows.iter_mut().for_each(|log| *log = log.exp());
+                let peaks: Vec<usize> = (0..many).collect();
+                below += usize::from(by_chance(&windows, &peaks) < 0.05);
+            }
+            assert!((900..1100).contains(&below), "{many} {index}: {below} of 20000 below 0.05");
+        }
     }
-    let size = |at: usize| windows[peaks[at]].abs();
-    let last = size(TAIL).max(f64::MIN_POSITIVE);
-    let logs: f64 = (1..TAIL).map(|at| (size(at) / last).ln()).sum();
-    let tail_index = (TAIL - 1) as f64 / logs.max(1e-9);
-    (size(0) / size(1).max(f64::MIN_POSITIVE)).powf(-tail_index)
+
+    #[test]
+    fn too_few_extremes_have_no_tail() {
+        for peaks in [&[][..], &[0], &[0, 1]] {
+            assert_eq!(by_chance(&[3.0, 1.0], peaks), 1.0);
+        }
+    }
 }

@@ -180,8 +180,7 @@ impl Around {
 
     /// As far as ranks them.
     fn refitted_short(&self, problem: &Problem, starts: &mut [&mut Tried]) {
-        let first_refit =
-            |own: &Problem, from: &Refitted| refit_under(own, &from.hypothesis, &self.at.noise, FIRST_STEPS);
+        let first_refit = |own: &Problem, from: &Refitted| self.shortly(own, &from.hypothesis);
         in_shares(
             problem,
             starts,
@@ -194,10 +193,18 @@ impl Around {
 
     fn short(&self, problem: &Problem, candidate: &Candidate) -> Option<Refitted> {
         let with = |values: &[f64]| self.at.hypothesis.with(candidate.entry.effect, values.to_vec());
-        let refitted = |start: &Hypothesis| refit_under(problem, start, &self.at.noise, FIRST_STEPS);
+        let refitted = |start: &Hypothesis| self.shortly(problem, start);
         let found = refitted(&with(&candidate.entry.values))?;
         // A step that leads astray is taken again from where it began.
         if found.log_likelihood > self.at.log_likelihood { Some(found) } else { refitted(&with(&candidate.from)) }
+    }
+
+    /// As far as ranks a hypothesis. What adds a memory may let a torque noise move the rotor that held still without it, so that
+    /// under the noise of the other it is the worse the more that had to stand in for.
+    fn shortly(&self, problem: &Problem, start: &Hypothesis) -> Option<Refitted> {
+        let remembers = start.entries.last().is_some_and(|entry| entry.effect.remembers);
+        let by = if remembers { refit } else { refit_under };
+        by(problem, start, &self.at.noise, FIRST_STEPS)
     }
 
     /// To the optimum.

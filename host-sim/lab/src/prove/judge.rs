@@ -117,20 +117,26 @@ fn concealed(truth: &Truth) -> BTreeSet<&str> {
     truth.effects.iter().map(|effect| effect.id.as_str()).collect()
 }
 
-/// Orders over position that differ by less are one: neighbours up to the fiftieth are told apart.
+/// Orders over position, and frequencies of a tone, that differ by less are one: neighbouring orders up to the fiftieth are told apart.
 const SAME_ORDER: f64 = 0.02;
+/// How the numbers begin that tell one effect of a kind from another: an order over position, the frequency of a vibration.
+const ORDER: &str = "order_per_";
+const FREQUENCY: &str = "frequency_hz";
 
-/// Whether an effect over the position that was named has this order; so has one of which the answer gives none.
-fn of_order(named: &Named, order: f64) -> bool {
-    let mut orders = named.parameters.iter().filter(|parameter| parameter.id.starts_with("order_per_"));
-    let found = orders.find_map(|parameter| parameter.value);
-    found.is_none_or(|found| (found - order).abs() <= SAME_ORDER * order.abs())
+/// Whether a named effect has this order, or frequency; so has one of which the answer gives none.
+fn has(named: &Named, number: &str, value: f64) -> bool {
+    let mut all = named.parameters.iter().filter(|parameter| parameter.id.starts_with(number));
+    let found = all.find_map(|parameter| parameter.value);
+    found.is_none_or(|found| (found - value).abs() <= SAME_ORDER * value.abs())
 }
 
-/// Whether the order of what is concealed, where it has one, is that of a name: a ripple of the noise is no cogging of another order.
+/// Whether the order or frequency of what is concealed, where it has one, is that of a name: a ripple of the noise is no cogging of
+/// another order, nor a tone a vibration of another frequency.
 fn same_order(concealed: &Concealed, named: &Named) -> bool {
-    let mut orders = concealed.parameters.iter().filter(|(id, _)| id == "order" || id.starts_with("order_per_"));
-    orders.all(|(_, order)| of_order(named, *order))
+    concealed.parameters.iter().all(|(id, value)| {
+        let order = id != "order" && !id.starts_with(ORDER) || has(named, ORDER, *value);
+        order && (id != FREQUENCY || has(named, FREQUENCY, *value))
+    })
 }
 
 /// Whether an answer's effect is the concealed one and not another of its kind.
@@ -152,7 +158,7 @@ fn beside(truth: &Truth, named: &Named) -> bool {
     let of_machine = truth.machine.as_ref().is_some_and(|machine| {
         machine.beside.contains(&named.id)
             // The ripple of the noise is a cogging of its own order and of no other.
-            && (named.id != "cogging" || machine.ripple_order.is_none_or(|order| of_order(named, order)))
+            && (named.id != "cogging" || machine.ripple_order.is_none_or(|order| has(named, ORDER, order)))
     });
     let since = |effect: &Concealed| {
         NAMED_SINCE.contains(&(effect.id.as_str(), named.id.as_str())) && same_order(effect, named)

@@ -47,7 +47,7 @@ impl Laws {
             p[at][at] += colour.stirred(step.dt_s);
         }
         p[ROUNDING][ROUNDING] += (1.0 - kept * kept) * rounding.variance;
-        Linear { jacobian, push, gain: free.gain, speed_sd, twist_sd }
+        Linear { jacobian, push, speed_sd, twist_sd }
     }
 
     /// Widens a covariance over a substep along a linearised path.
@@ -176,8 +176,6 @@ pub(crate) struct Linear<const N: usize> {
     pub(crate) jacobian: [[f64; N]; N],
     /// Response of the state to a torque of one.
     pub(crate) push: [f64; N],
-    /// Response of the speed to a torque of one, were there no dry friction.
-    pub(crate) gain: f64,
     pub(crate) speed_sd: f64,
     pub(crate) twist_sd: f64,
 }

@@ -44,6 +44,16 @@ fn another_order_is_another_cogging() {
 }
 
 #[test]
+fn another_frequency_is_another_vibration() {
+    let parameter = serde_json::json!({"id": "frequency_hz", "value": 2.8, "low": 2.7, "high": 2.9, "unit": "Hz"});
+    let answer = of_parameter("vibration", &parameter);
+    for (frequency_hz, is_it) in [(2.81, true), (18.2, false)] {
+        let judged = judged(Arm::Single, "vibration", &[("frequency_hz", frequency_hz)], &answer);
+        assert_eq!([judged.exact, judged.first_right, !judged.confidently_wrong], [is_it; 3]);
+    }
+}
+
+#[test]
 fn a_wrong_first_name_is_confident_where_it_is_named_and_counts_apart_where_it_is_partial() {
     let wrong = judged(Arm::Single, "inertia", &[], &answer("named", "torque_gain", ""));
     assert!(wrong.confidently_wrong && !wrong.listed && !wrong.is_right());
@@ -90,7 +100,10 @@ fn cogging(order: f64) -> Answer {
 }
 
 fn of_order(id: &str, order: f64) -> Answer {
-    let parameter = serde_json::json!({"id": "order_per_rev", "value": order, "low": order, "high": order});
+    of_parameter(id, &serde_json::json!({"id": "order_per_rev", "value": order, "low": order, "high": order}))
+}
+
+fn of_parameter(id: &str, parameter: &serde_json::Value) -> Answer {
     let effect = serde_json::json!({"id": id, "parameters": [parameter]});
     serde_json::from_value(serde_json::json!({"verdict": "named", "effects": [effect]})).unwrap()
 }
