@@ -53,7 +53,7 @@ fn share_of_windows(problem: &Problem, refitted: &Refitted, torque_rms: f64) -> 
 /// What is left, if a channel predicts a relevant part of it, or if another effect certainly adds a relevant part to the likelihood.
 pub(crate) fn remainder(problem: &Problem, found: &Found) -> Option<Remainder> {
     let refitted = &found.best.assessed.refitted;
-    let white = without_memory(problem, refitted);
+    let white = if refitted.hypothesis.entries.is_empty() { without_memory(problem, refitted) } else { None };
     let looks = if white.is_some() { 2 } else { 1 };
     let mut predictors = relevant(problem, refitted, looks);
     if predictors.is_empty() {
@@ -67,8 +67,9 @@ pub(crate) fn remainder(problem: &Problem, found: &Found) -> Option<Remainder> {
     })
 }
 
-/// The same values under noise without a memory, where it has one: a memory stands in for any slow torque that is missing, and hides
-/// from the score what it depends on. Blocks give the score its spread, so a noise that does have a memory predicts no more by chance.
+/// The nominal machine under noise without a memory, where it has one: a memory stands in for any slow torque that is missing, and hides
+/// from the score what it depends on. Beside effects it stands in for what their own passes leave, less than a thousandth of the
+/// drive's torque. Blocks give the score its spread, so a noise that does have a memory predicts no more by chance.
 /// None without one, or where a pass is not finite.
 fn without_memory(problem: &Problem, refitted: &Refitted) -> Option<Refitted> {
     refitted.noise.iter().find(|noise| noise.colour.is_some())?;

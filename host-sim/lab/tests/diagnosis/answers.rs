@@ -22,7 +22,8 @@ fn dry_friction_is_named_alone_and_its_interval_holds_the_truth() {
     let effect = &answer.effects[0];
     assert_eq!(effect.id, "coulomb_friction");
     let level = &effect.parameters[0];
-    assert!(level.low < 0.95 && 0.95 < level.high && level.high - level.low < 0.01, "{level:?}");
+    // No narrower than a fiftieth of a typical change, 0.6 % of this level to either side.
+    assert!(level.low < 0.95 && 0.95 < level.high && level.high - level.low < 0.015, "{level:?}");
     assert!(answer.fit.heldout_after_rms < answer.fit.heldout_before_rms);
 }
 
