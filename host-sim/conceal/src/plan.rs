@@ -281,7 +281,7 @@ const FAMILIES: usize = 6;
 
 /// Families outside the vocabulary that the tool was tuned beside, and since when. They are never scored as unseen again: a family
 /// is added here as soon as one case of it has been looked into.
-pub const LEDGER: [(&str, &str); 26] = [
+pub const LEDGER: [(&str, &str); 32] = [
     ("friction over position", "friction_over_position, round 20000 of the fixed plan"),
     ("friction over load", "friction_by_load, round 20000 of the fixed plan"),
     ("friction over rest", "stiction_by_rest, round 20000 of the fixed plan"),
@@ -308,6 +308,12 @@ pub const LEDGER: [(&str, &str); 26] = [
     ("load that follows", "stirred_fill, round 230000 of the drawn plan"),
     ("fluid over direction", "overshoot_at_turns, round 230000 of the drawn plan"),
     ("drive over speed", "eddy_brake, round 230000 of the drawn plan"),
+    ("friction over the track", "stroke_ridges, round 240000 of the drawn plan"),
+    ("friction when driven", "load_brake, round 240000 of the drawn plan"),
+    ("torque through filters", "ringing_torque, round 240000 of the drawn plan"),
+    ("swings with the clock", "pulsing_seal, round 240000 of the drawn plan"),
+    ("orders that slip", "creeping_belt, round 240000 of the drawn plan"),
+    ("fluid over acceleration", "bound_fluid, round 240000 of the drawn plan"),
 ];
 
 /// Families of a round: of those in the ledger below [`TUNING`], of the others from there on.
