@@ -7,7 +7,7 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use crate::confidence_set::{Assessed, Comparison, Step};
 use crate::effects::{Effect, NUISANCES};
-use crate::hypothesis::{Entry, Hypothesis, Refitted, coloured_noise, noise_of, refit, with_its_order};
+use crate::hypothesis::{Entry, Hypothesis, Refitted, coloured_noise, noise_of, refit, with_likelier_order};
 use crate::likelihood::Noise;
 use crate::problem::Problem;
 
@@ -41,7 +41,7 @@ pub struct Found {
 }
 
 impl Found {
-    /// Goes on with the best `without` an entry, which brought `gain`, and tells it among the rejected, with whether chance explains it.
+    /// Goes on with the best `without` an entry, which brought `gain`, and tells it among the rejected, with whether it is certain.
     pub(crate) fn take_out(&mut self, entry: usize, without: Step, gain: f64, certain: bool) {
         let best = &self.best.assessed.refitted;
         let rise = best.log_likelihood - without.assessed.refitted.log_likelihood;
@@ -217,12 +217,8 @@ fn forward(problem: &Problem, vocabulary: &[&'static Effect], from: Step, around
 
 /// With the order of its last entry, if it has one, where the likelihood has its top.
 fn at_its_order(problem: &Problem, step: Step) -> Step {
-    let Some(last) = step.assessed.refitted.hypothesis.entries.len().checked_sub(1) else { return step };
-    let found = with_its_order(problem, step.assessed.refitted.clone(), last);
-    if found.hypothesis == step.assessed.refitted.hypothesis {
-        return step;
-    }
-    Step::new(problem, found).unwrap_or(step)
+    let likelier = with_likelier_order(problem, &step.assessed.refitted);
+    likelier.and_then(|found| Step::new(problem, found)).unwrap_or(step)
 }
 
 /// What was found around where a search has moved to, or around where it began.

@@ -37,7 +37,7 @@ impl Creep {
 
 impl Hidden for Creep {
     fn drive(&mut self, seen: &Seen, torque: f64) -> f64 {
-        self.late += -(-seen.step_s / self.time_s).exp_m1() * (torque - self.late);
+        self.late += seen.share_of_lag(self.time_s) * (torque - self.late);
         torque + self.share * (self.late - torque)
     }
 }

@@ -35,7 +35,7 @@ impl Sets {
 impl Hidden for Sets {
     fn drag(&mut self, seen: &Seen, level: f64) -> f64 {
         let wanted = 1.0 / (1.0 + (seen.speed / self.speed).powi(2));
-        self.built += -(-seen.step_s / self.time_s).exp_m1() * (wanted - self.built);
+        self.built += seen.share_of_lag(self.time_s) * (wanted - self.built);
         level * (1.0 + self.share * self.built)
     }
 }

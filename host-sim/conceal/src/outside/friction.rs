@@ -150,7 +150,7 @@ impl LateStribeck {
 impl Hidden for LateStribeck {
     fn friction(&mut self, seen: &Seen) -> Rub {
         let wanted = (-(seen.speed / self.speed).powi(2)).exp();
-        self.excess += -(-seen.step_s / self.lag_s).exp_m1() * (wanted - self.excess);
+        self.excess += seen.share_of_lag(self.lag_s) * (wanted - self.excess);
         Rub::level(self.level * self.excess)
     }
 }

@@ -40,6 +40,13 @@ pub(crate) struct Seen {
     pub(crate) drive: f64,
 }
 
+impl Seen {
+    /// Share of the way to where it tends that a lag of first order goes in this step.
+    fn share_of_lag(&self, time_s: f64) -> f64 {
+        -(-self.step_s / time_s).exp_m1()
+    }
+}
+
 /// What becomes of the bearings' friction.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Rub {

@@ -37,7 +37,7 @@ impl CreepingSpring {
 impl Hidden for CreepingSpring {
     fn torque(&mut self, seen: &Seen) -> f64 {
         let twist = seen.position - self.anchor;
-        self.anchor += -(-seen.step_s / self.time_s).exp_m1() * twist;
+        self.anchor += seen.share_of_lag(self.time_s) * twist;
         -self.stiffness * twist
     }
 }

@@ -11,20 +11,16 @@ const STEPS: usize = 3;
 /// a turn at the ends of the travel.
 const HALVINGS: i32 = 3;
 
-/// With the order of its entry at `entry` where the likelihood has its top; as it is, where that has none. A travel of less than a
-/// revolution tells an order from the next only by little, and friction shifts the peak of the missing torque's spectrum, which it
-/// came from.
-pub(crate) fn with_its_order(problem: &Problem, mut best: Refitted, entry: usize) -> Refitted {
-    if !best.hypothesis.entries[entry].effect.ordered {
-        return best;
-    }
+/// With another order of its last entry, where the likelihood has its top; none where it is there, or the entry has no order. A travel
+/// of less than a revolution tells an order from the next only by little, and friction shifts the peak of the missing torque's
+/// spectrum, which it came from.
+pub(crate) fn with_likelier_order(problem: &Problem, from: &Refitted) -> Option<Refitted> {
+    from.hypothesis.entries.last().filter(|entry| entry.effect.ordered)?;
+    let mut best = None;
     for step in steps(problem) {
         for step in [step, -step] {
-            while let Some(found) = neighbour(problem, &best, entry, step) {
-                if found.log_likelihood - best.log_likelihood < SETTLED {
-                    break;
-                }
-                best = found;
+            while let Some(found) = likelier(problem, best.as_ref().unwrap_or(from), step) {
+                best = Some(found);
             }
         }
     }
@@ -41,13 +37,14 @@ fn steps(problem: &Problem) -> Vec<f64> {
     }
 }
 
-/// Refitted at another order; none where that would be none, or where no work is left.
-fn neighbour(problem: &Problem, from: &Refitted, entry: usize, step: f64) -> Option<Refitted> {
+/// Refitted at another order of the last entry; none where that is not likelier, would be no order, or where no work is left.
+fn likelier(problem: &Problem, from: &Refitted, step: f64) -> Option<Refitted> {
     let mut tried = from.hypothesis.clone();
-    let order = &mut tried.entries[entry].values[0];
+    let order = &mut tried.entries.last_mut()?.values[0];
     *order += step;
     if *order <= 0.0 || problem.is_spent() {
         return None;
     }
-    refit(problem, &tried, &from.noise, STEPS)
+    let found = refit(problem, &tried, &from.noise, STEPS)?;
+    (found.log_likelihood - from.log_likelihood >= SETTLED).then_some(found)
 }

@@ -133,10 +133,13 @@ fn has(named: &Named, number: &str, value: f64) -> bool {
 /// Whether the order or frequency of what is concealed, where it has one, is that of a name: a ripple of the noise is no cogging of
 /// another order, nor a tone a vibration of another frequency.
 fn same_order(concealed: &Concealed, named: &Named) -> bool {
-    concealed.parameters.iter().all(|(id, value)| {
-        let order = id != "order" && !id.starts_with(ORDER) || has(named, ORDER, *value);
-        order && (id != FREQUENCY || has(named, FREQUENCY, *value))
-    })
+    let number = |id: &str| match id {
+        FREQUENCY => Some(FREQUENCY),
+        _ if id == "order" || id.starts_with(ORDER) => Some(ORDER),
+        _ => None,
+    };
+    let same = |(id, value): &(String, f64)| number(id).is_none_or(|number| has(named, number, *value));
+    concealed.parameters.iter().all(same)
 }
 
 /// Whether an answer's effect is the concealed one and not another of its kind.

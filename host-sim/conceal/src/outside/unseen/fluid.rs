@@ -63,7 +63,7 @@ impl SpeedLoop {
 impl Hidden for SpeedLoop {
     fn drag(&mut self, seen: &Seen, level: f64) -> f64 {
         let gained = seen.speed.abs() - self.late;
-        self.late += -(-seen.step_s / self.time_s).exp_m1() * gained;
+        self.late += seen.share_of_lag(self.time_s) * gained;
         level * (1.0 + self.share * (gained / self.speed).tanh())
     }
 }

@@ -49,7 +49,7 @@ impl Ridges {
 
 impl Hidden for Ridges {
     fn friction(&mut self, seen: &Seen) -> Rub {
-        let (at, flows) = (seen.position, -(-seen.step_s / self.time_s).exp_m1());
+        let (at, flows) = (seen.position, seen.share_of_lag(self.time_s));
         let [low, high] = self.ends;
         self.ends = [low.min(at), high.max(at)].map(|end| end + flows * (at - end));
         let before = if seen.speed > 0.0 { self.ends[1] - at } else { at - self.ends[0] };

@@ -19,13 +19,13 @@ impl Line {
     }
 
     /// Torque over impedance; the wave comes back with the same sign from a free end (1), with the other from a held one (-1).
-    fn pass(&mut self, speed: f64, end: f64, step_s: f64) -> f64 {
+    fn pass(&mut self, seen: &Seen, end: f64) -> f64 {
         if self.sent.is_empty() {
-            self.sent = vec![0.0; ((2.0 * self.transit_s / step_s).round() as usize).max(1)];
+            self.sent = vec![0.0; ((2.0 * self.transit_s / seen.step_s).round() as usize).max(1)];
         }
-        let returns = -(-step_s / (self.rounding * self.transit_s)).exp_m1();
+        let returns = seen.share_of_lag(self.rounding * self.transit_s);
         self.back += returns * (end * self.sent[self.at] - self.back);
-        let sent = speed - self.back;
+        let sent = seen.speed - self.back;
         self.sent[self.at] = sent;
         self.at = (self.at + 1) % self.sent.len();
         sent - self.back
@@ -50,7 +50,7 @@ impl FreeLine {
 
 impl Hidden for FreeLine {
     fn torque(&mut self, seen: &Seen) -> f64 {
-        -self.impedance * self.line.pass(seen.speed, 1.0, seen.step_s)
+        -self.impedance * self.line.pass(seen, 1.0)
     }
 
     fn inertia(&self, _: &Seen) -> f64 {
@@ -74,7 +74,7 @@ impl HeldLine {
 
 impl Hidden for HeldLine {
     fn torque(&mut self, seen: &Seen) -> f64 {
-        -self.impedance * self.line.pass(seen.speed, -1.0, seen.step_s)
+        -self.impedance * self.line.pass(seen, -1.0)
     }
 }
 
