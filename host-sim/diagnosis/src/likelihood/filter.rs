@@ -22,7 +22,7 @@ pub(super) const MOST_STATES: usize = BASE + 7;
 
 /// Minus twice the log-likelihood of a whitened innovation, but for its variance: squares, straight beyond the Huber limit.
 #[inline]
-pub(super) fn loss(whitened: f64) -> f64 {
+pub(crate) fn loss(whitened: f64) -> f64 {
     let size = whitened.abs();
     if size <= HUBER { size * size } else { HUBER * (2.0 * size - HUBER) }
 }

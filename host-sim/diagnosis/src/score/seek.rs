@@ -9,7 +9,7 @@ use rustfft::num_complex::Complex;
 use crate::effects::Excitation;
 use crate::hypothesis::{Kept, KeptRecording};
 use crate::likelihood::Grid;
-use crate::likelihood::filter::HUBER;
+use crate::likelihood::filter::{HUBER, Innovations, loss};
 use crate::likelihood::inverse::Motion;
 use crate::physics::Tone;
 use crate::problem::Problem;
@@ -59,9 +59,20 @@ fn of_recording<'a>(problem: &'a Problem, path: &Kept, index: usize, kept: &'a K
     Missing {
         torque: rows(&fine),
         drive: mean_over_rows(&kept.acting.drive.drive, grid),
+        misfit: misfit(problem, &kept.innovations),
         position: &kept.innovations.position,
         t_s: &problem.recordings[index].t_s,
     }
+}
+
+/// By how much each row's innovation is less likely than expected, with its sign; nothing where the motion is given and all of the torque
+/// is seen.
+fn misfit(problem: &Problem, innovations: &Innovations) -> Vec<(f64, f64)> {
+    if !problem.motions.is_empty() {
+        return Vec::new();
+    }
+    let of = |(&whitened, &counted): (&f64, &bool)| if counted { (loss(whitened) - 1.0, whitened) } else { (0.0, 0.0) };
+    innovations.whitened.iter().zip(&innovations.counted).map(of).collect()
 }
 
 /// Wrong samples that make a habit and no accident.
@@ -89,6 +100,8 @@ struct Missing<'a> {
     torque: Vec<f64>,
     /// The drive's, N m (N).
     drive: Vec<f64>,
+    /// How much less likely than expected a row is, and its whitened innovation; none where the motion is given.
+    misfit: Vec<(f64, f64)>,
     position: &'a [f64],
     t_s: &'a [f64],
 }
@@ -185,38 +198,77 @@ fn tones(missing: &[Missing<'_>], recordings: usize, band_hz: Option<f64>) -> Ve
     peaks(&power[from..], MOST).into_iter().map(tone).collect()
 }
 
-/// Stretches whose missing torque sums to most, for their length, best first.
+/// Stretches whose missing torque sums to most, for their length, and those that are least likely, best first. A torque that the rotor at
+/// rest under this hypothesis does not feel, or that makes the belief lose it, is no large sum.
 fn pushes(missing: &[Missing<'_>], smeared_s: f64) -> Vec<(usize, Pulse, f64)> {
-    let mut found: Vec<(f64, usize, Pulse)> = Vec::new();
-    let tried = (missing.len() * INDEPENDENT_LENGTHS) as f64;
+    // Test functions smear a push over their own support, and only they do.
+    let given = smeared_s > 0.0;
+    let by_chance: ByChance = if given { of_a_heavy_tail } else { of_an_exponential_tail };
+    let mut found: Vec<(usize, Pulse, f64)> = Vec::new();
     for (recording, one) in missing.iter().enumerate() {
-        let mut sums = vec![0.0];
-        for torque in &one.torque {
-            sums.push(sums[sums.len() - 1] + torque);
-        }
+        let torque = Summed::of(one.torque.iter().copied());
+        let unlikely = Summed::of(one.misfit.iter().map(|of| of.0));
+        let signed = Summed::of(one.misfit.iter().map(|of| of.1));
         let period_s = (one.t_s[one.torque.len()] - one.t_s[0]) / one.torque.len().max(1) as f64;
         for length_s in PUSHES_S {
             let many = (length_s / period_s).round() as usize;
             if many < 2 || 4 * many > one.torque.len() {
                 continue;
             }
-            let windows: Vec<f64> = (0..=one.torque.len() - many).map(|from| sums[from + many] - sums[from]).collect();
-            // Test functions smear a push over their own support.
-            let peaks = apart(&windows, many + many / 2 + (smeared_s / period_s).ceil() as usize);
-            let Some(&best) = peaks.first() else { continue };
-            let duration_s = many as f64 * period_s;
-            let pulse = Pulse { start_s: one.t_s[best], duration_s, amplitude: windows[best].signum() };
-            found.push(((tried * by_chance(&windows, &peaks)).min(1.0), recording, pulse));
+            let distance = many + many / 2 + (smeared_s / period_s).ceil() as usize;
+            let mut found_in = |sums: Vec<f64>, sign: &[f64]| {
+                let peaks = apart(&sums, distance);
+                let Some(&best) = peaks.first() else { return };
+                let duration_s = many as f64 * period_s;
+                let pulse = Pulse { start_s: one.t_s[best], duration_s, amplitude: sign[best].signum() };
+                let sizes: Vec<f64> = peaks.iter().map(|&at| sums[at]).collect();
+                found.push((recording, pulse, by_chance(&sizes)));
+            };
+            let torques = torque.windows(many);
+            found_in(torques.iter().map(|sum| sum.abs()).collect(), &torques);
+            found_in(unlikely.windows(many), &signed.windows(many));
         }
     }
-    found.sort_by(|a, b| a.0.total_cmp(&b.0));
-    found.into_iter().take(MOST).map(|(chance, recording, pulse)| (recording, pulse, chance)).collect()
+    let tried = if given { 1 } else { 2 } * missing.len() * INDEPENDENT_LENGTHS;
+    found.iter_mut().for_each(|(.., chance)| *chance = (*chance * tried as f64).min(1.0));
+    found.sort_by(|a, b| a.2.total_cmp(&b.2));
+    found.truncate(MOST);
+    if given { found } else { found.iter().map(|own| of_the_place(own, &found)).collect() }
+}
+
+/// With the least chance of those that it meets: an event stands out in a stretch of one length, and how long it is the likelihood knows
+/// better.
+fn of_the_place(own: &(usize, Pulse, f64), all: &[(usize, Pulse, f64)]) -> (usize, Pulse, f64) {
+    let (recording, pulse, chance) = own;
+    let end_s = |pulse: &Pulse| pulse.start_s + pulse.duration_s;
+    let meets = |(of, other, _): &&(usize, Pulse, f64)| {
+        of == recording && other.start_s < end_s(pulse) && pulse.start_s < end_s(other)
+    };
+    (*recording, *pulse, all.iter().filter(meets).map(|(.., chance)| *chance).fold(*chance, f64::min))
+}
+
+/// Sums from the first of some values to each.
+struct Summed(Vec<f64>);
+
+impl Summed {
+    fn of(values: impl Iterator<Item = f64>) -> Self {
+        let mut sums = vec![0.0];
+        for value in values {
+            sums.push(sums[sums.len() - 1] + value);
+        }
+        Self(sums)
+    }
+
+    /// The sum of every so many neighbours.
+    fn windows(&self, many: usize) -> Vec<f64> {
+        self.0.iter().zip(self.0.iter().skip(many)).map(|(from, to)| to - from).collect()
+    }
 }
 
 /// Places of the largest sums that are more than that many rows apart, largest first.
 fn apart(windows: &[f64], rows: usize) -> Vec<usize> {
     let mut order: Vec<usize> = (0..windows.len()).collect();
-    order.sort_by(|a, b| windows[*b].abs().total_cmp(&windows[*a].abs()));
+    order.sort_by(|a, b| windows[*b].total_cmp(&windows[*a]));
     let mut kept: Vec<usize> = Vec::new();
     for index in order {
         if kept.iter().all(|other| index.abs_diff(*other) > rows) {
@@ -229,20 +281,71 @@ fn apart(windows: &[f64], rows: usize) -> Vec<usize> {
     kept
 }
 
-/// Extremes that the tail is fitted to.
+/// Most extremes that the tail is fitted to.
 const TAIL: usize = 12;
 
-/// Probability that the largest of as many extremes is that far beyond the second: the tail of the others fitted by Hill's
-/// estimator (1975), so that a residual with heavy tails has no events for its own. It takes the fitted tail for the true one; the exact
-/// test for so few (an F of the distances by rank) did not find the push of the shared pendulum among several recordings, 14 times
-/// as large as the next.
-fn by_chance(windows: &[f64], peaks: &[usize]) -> f64 {
-    if peaks.len() < TAIL + 1 {
+/// Probability that chance has the largest of some extremes that far beyond the second, with their sizes, largest first, and the tail of
+/// the others.
+type ByChance = fn(&[f64]) -> f64;
+
+/// Where the motion is given, all that the model leaves stands in for noise: its tail is heavy, as Hill's estimator (1975) fits it, so
+/// that it has no events for its own. It takes the fitted tail for the true one and asks for all of [`TAIL`].
+fn of_a_heavy_tail(sizes: &[f64]) -> f64 {
+    if sizes.len() < TAIL + 1 {
         return 1.0;
     }
-    let size = |at: usize| windows[peaks[at]].abs();
-    let last = size(TAIL).max(f64::MIN_POSITIVE);
-    let logs: f64 = (1..TAIL).map(|at| (size(at) / last).ln()).sum();
+    let last = sizes[TAIL].max(f64::MIN_POSITIVE);
+    let logs: f64 = sizes[1..TAIL].iter().map(|size| (size / last).ln()).sum();
     let tail_index = (TAIL - 1) as f64 / logs.max(1e-9);
-    (size(0) / size(1).max(f64::MIN_POSITIVE)).powf(-tail_index)
+    (sizes[0] / sizes[1].max(f64::MIN_POSITIVE)).powf(-tail_index)
+}
+
+/// Where the motion is predicted, noise is what moves it and the tail of its sums is no heavier than an exponential. Spacings of an exponential
+/// tail's order statistics, each times its rank, are independent of one mean (Renyi 1953), so that the first over the mean of `k`
+/// others is an F of 2 and 2k degrees of freedom.
+fn of_an_exponential_tail(sizes: &[f64]) -> f64 {
+    let Some((last, before)) = sizes.split_last().filter(|_| sizes.len() > 2) else { return 1.0 };
+    let others = before.len() - 1;
+    let spacings: f64 = before[1..].iter().map(|size| size - last).sum::<f64>() + before[1] - last;
+    let over_the_mean = (before[0] - before[1]) / spacings.max(f64::MIN_POSITIVE);
+    (1.0 + over_the_mean).powi(-(others as i32))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_that_is_far_beyond_an_exponential_tail_is_no_chance() {
+        // Spacings of one mean: the first is as long as the others.
+        let sizes: Vec<f64> =
+            (1..=13).map(|rank| (1..rank).map(|of| -1.0 / f64::from(of)).sum::<f64>() + 4.0).collect();
+        let ordinary = of_an_exponential_tail(&sizes);
+        // A spacing of the mean has the chance (1 + 1/11)^-11.
+        assert!((ordinary - (1.0_f64 + 1.0 / 11.0).powi(-11)).abs() < 1e-12, "{ordinary}");
+        let far = of_an_exponential_tail(&[&[sizes[0] + 30.0], &sizes[1..]].concat());
+        assert!(far < 1e-5, "{far}");
+    }
+
+    #[test]
+    fn few_others_make_nothing_certain() {
+        assert_eq!(of_an_exponential_tail(&[9.0, 1.0]), 1.0);
+        assert!(of_an_exponential_tail(&[9.0, 1.0, 0.5]) > 0.05);
+        assert_eq!(of_a_heavy_tail(&[9.0, 1.0, 0.5]), 1.0);
+    }
+
+    #[test]
+    fn a_heavy_tail_has_no_event_where_an_exponential_one_has() {
+        let mut sizes: Vec<f64> = (1..=13).map(|rank| 1.0 / f64::from(rank)).collect();
+        sizes[0] = 3.0;
+        assert!(of_a_heavy_tail(&sizes) > 0.01 && of_an_exponential_tail(&sizes) < of_a_heavy_tail(&sizes));
+    }
+
+    #[test]
+    fn a_place_has_the_least_chance_of_what_meets_there() {
+        let push = |start_s, chance| (0, Pulse { start_s, duration_s: 0.1, amplitude: 1.0 }, chance);
+        let all = [push(1.0, 0.5), push(1.05, 0.01), push(3.0, 0.2)];
+        let chances = all.map(|own| of_the_place(&own, &all).2);
+        assert_eq!(chances, [0.01, 0.01, 0.2]);
+    }
 }
