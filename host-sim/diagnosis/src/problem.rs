@@ -51,8 +51,10 @@ const FINER: usize = 4;
 
 /// Rows of a recording that the noise is estimated on: two numbers to some percent ...
 const EXCERPT_ROWS: usize = 4000;
-/// ... in this many stretches, spread evenly, so that motion of every kind is in them.
+/// ... in this many stretches, spread evenly, so that motion of every kind is in them ...
 const STRETCHES: usize = 8;
+/// ... each at least so long, s: five times what is not judged behind its start, and long enough for what is missing to add up.
+const LEAST_STRETCH_S: f64 = 0.25;
 
 /// Length of a block, s: several times the memory of drive, fluid and noise, and many to a recording.
 const BLOCK_S: f64 = 0.25;
@@ -67,7 +69,7 @@ impl Problem {
         let grids: Vec<Grid> = recordings.iter().map(Grid::new).collect();
         let lately = recordings.iter().map(|_| Lately::default()).collect();
         let blocks = recordings.iter().map(blocks).collect();
-        let excerpts = recordings.iter().map(|recorded| stretches(recorded.rows())).collect();
+        let excerpts = recordings.iter().map(stretches).collect();
         let motions = if measured { motions(&recordings, resolution) } else { Vec::new() };
         let excitation = Excitation { step: resolution, measured, ..excitation(&recordings, fitted, linear) };
         let early_s = early(&nominal, &recordings, &grids, &motions, resolution);
@@ -283,11 +285,13 @@ fn early(nominal: &Physics, recordings: &[Recorded], grids: &[Grid], motions: &[
     if log_likelihood(&held) > log_likelihood(&half_rows) { held } else { half_rows }
 }
 
-fn stretches(rows: usize) -> Vec<Range<usize>> {
-    if rows <= 2 * EXCERPT_ROWS {
+fn stretches(recorded: &Recorded) -> Vec<Range<usize>> {
+    let rows = recorded.rows();
+    let least = (LEAST_STRETCH_S / recorded.period_s().max(f64::MIN_POSITIVE)).ceil() as usize;
+    let (share, length) = (rows / STRETCHES, least.max(EXCERPT_ROWS / STRETCHES));
+    if share <= 2 * length {
         return std::iter::once(0..rows).collect();
     }
-    let (share, length) = (rows / STRETCHES, EXCERPT_ROWS / STRETCHES);
     (0..STRETCHES)
         .map(|stretch| stretch * share + (share - length) / 2..stretch * share + (share + length) / 2)
         .collect()

@@ -76,7 +76,7 @@ fn contains(one: &Ranked, other: &Ranked) -> bool {
 
 fn fit(problem: &Problem, contender: &Contender, nominal: &Refitted) -> Option<Step> {
     let worth = |start: &Hypothesis| {
-        let found = evaluate(problem, &start.physics(&problem.nominal), &nominal.noise, problem.fitted);
+        let found = evaluate(problem, &start.physics(&problem.nominal), &nominal.noise, 0..problem.fitted);
         found.map_or(f64::NEG_INFINITY, |found| found.fitted(problem))
     };
     let mut starts: Vec<(f64, &Hypothesis)> = contender.starts.iter().map(|start| (worth(start), start)).collect();

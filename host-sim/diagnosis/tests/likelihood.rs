@@ -92,9 +92,9 @@ fn the_same_recordings_give_the_same_answer_on_one_thread_and_many() {
 fn a_machine_that_is_wrong_is_less_likely() {
     let problem = problem(machine(), &machine(), 0.02);
     let noise = nominal(&problem).unwrap().noise;
-    let right = evaluate(&problem, &Physics::new(machine()), &noise, 2).unwrap().fitted(&problem);
+    let right = evaluate(&problem, &Physics::new(machine()), &noise, 0..2).unwrap().fitted(&problem);
     for wrong in [Model { coulomb: 0.55, ..machine() }, Model { inertia: 0.052, ..machine() }] {
-        assert!(evaluate(&problem, &Physics::new(wrong), &noise, 2).unwrap().fitted(&problem) < right - 10.0);
+        assert!(evaluate(&problem, &Physics::new(wrong), &noise, 0..2).unwrap().fitted(&problem) < right - 10.0);
     }
 }
 

@@ -42,7 +42,7 @@ pub(crate) fn likelier(columns: Problem, asked: impl FnOnce() -> Problem) -> Pro
     let starts = late_viscosities();
     let best = |problem: &Problem| {
         let all = starts.iter().filter_map(|start| {
-            let found = evaluate(problem, &start.physics(&problem.nominal), &noise, problem.fitted)?;
+            let found = evaluate(problem, &start.physics(&problem.nominal), &noise, 0..problem.fitted)?;
             Some(found.fitted(problem))
         });
         all.fold(f64::NEG_INFINITY, f64::max)

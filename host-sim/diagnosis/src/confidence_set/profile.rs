@@ -83,6 +83,6 @@ fn fall(problem: &Problem, best: &Assessed, way: &DVector<f64>) -> Option<f64> {
         }
     }
     let many = moved.told_by(problem);
-    let found = evaluate(problem, &moved.physics(&problem.nominal), &best.refitted.noise, many)?;
+    let found = evaluate(problem, &moved.physics(&problem.nominal), &best.refitted.noise, 0..many)?;
     Some(best.refitted.log_likelihood - found.fitted(problem))
 }

@@ -1,5 +1,7 @@
 //! The log-likelihood of a hypothesis, block by block, and the noise that goes with it.
 
+use std::ops::Range;
+
 use rayon::prelude::*;
 
 use crate::likelihood::filter::{Driven, HUBER, Innovations, Path, Prepared};
@@ -28,16 +30,16 @@ fn blocks(problem: &Problem, recording: usize, innovations: &Innovations) -> Vec
     problem.blocks[recording].iter().map(|block| innovations.log_likelihood[block.clone()].iter().sum()).collect()
 }
 
-/// The log-likelihood of the first `many` recordings under a machine and the noise of each; none for a machine the plant refuses
-/// or a pass that is not finite.
-pub fn evaluate(problem: &Problem, physics: &Physics, noise: &[Noise], many: usize) -> Option<Evaluation> {
+/// The log-likelihood of some recordings under a machine and the noise of each, one behind the other; none for a machine the plant
+/// refuses or a pass that is not finite.
+pub fn evaluate(problem: &Problem, physics: &Physics, noise: &[Noise], which: Range<usize>) -> Option<Evaluation> {
     let one = |index: usize| {
         let (prepared, acting) = prepare(problem, physics, index)?;
         let (innovations, _) = pass(problem, index, &prepared, &acting, &noise[index], Keep::Innovations);
         let blocks = blocks(problem, index, &innovations);
         blocks.iter().all(|block| block.is_finite()).then_some((innovations, blocks))
     };
-    let all: Option<Vec<(Innovations, Vec<f64>)>> = (0..many).into_par_iter().map(one).collect();
+    let all: Option<Vec<(Innovations, Vec<f64>)>> = which.into_par_iter().map(one).collect();
     let (innovations, blocks) = all?.into_iter().unzip();
     Some(Evaluation { innovations, blocks })
 }
@@ -134,11 +136,6 @@ impl Kept {
         let pairs = rows.flat_map(|found| found.whitened.iter().zip(&found.counted));
         let weight = |whitened: f64, counted: bool| if counted { (HUBER / whitened.abs()).min(1.0) } else { 0.0 };
         pairs.map(|(whitened, counted)| (*whitened, weight(*whitened, *counted))).unzip()
-    }
-
-    /// Log-likelihood of the recordings.
-    pub(crate) fn log_likelihood(&self) -> f64 {
-        self.recordings.iter().flat_map(|kept| &kept.innovations.log_likelihood).sum()
     }
 
     /// Response of the whitened innovations of every row of every recording to another machine; none where the plant refuses it.

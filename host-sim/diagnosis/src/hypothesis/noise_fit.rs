@@ -13,21 +13,21 @@ use crate::problem::Problem;
 /// The noise of each recording under which a machine is most likely, searched from `from` in steps of 2^`octaves` downwards for
 /// those of `which` and as it is for the others. Noise without a memory gets none.
 pub fn noise_of(problem: &Problem, physics: &Physics, from: &[Noise], octaves: f64, which: Range<usize>) -> Vec<Noise> {
-    let one = |(index, from): (usize, &Noise)| {
+    let one = |index: usize| {
         let found = which.contains(&index).then(|| noise_of_one(problem, physics, index, from, octaves));
-        found.flatten().unwrap_or(*from)
+        found.flatten().unwrap_or(from[index])
     };
-    from.par_iter().enumerate().map(one).collect()
+    (0..from.len()).into_par_iter().map(one).collect()
 }
 
-fn noise_of_one(problem: &Problem, physics: &Physics, index: usize, from: &Noise, octaves: f64) -> Option<Noise> {
+fn noise_of_one(problem: &Problem, physics: &Physics, index: usize, from: &[Noise], octaves: f64) -> Option<Noise> {
     let (prepared, acting) = prepare(problem, physics, index)?;
     if let Some(motion) = problem.motions.get(index) {
         let residual = residual(problem, index, motion, &prepared, &acting);
         return Some(prepared.likeliest_noise(motion, &problem.recordings[index], &residual));
     }
     let excerpt = Excerpt { problem, index, prepared: &prepared, acting: &acting };
-    Some(excerpt.likeliest(*from, octaves).0)
+    Some(excerpt.likeliest(excerpt.start(from), octaves).0)
 }
 
 /// Memories that are tried first, s: from what a current loop has to what ripple and bearings have. Each is a factor of four from
@@ -111,6 +111,19 @@ impl Excerpt<'_> {
         };
         let sum: f64 = problem.excerpts[index].iter().map(of).sum();
         if sum.is_finite() { sum } else { f64::NEG_INFINITY }
+    }
+
+    /// The likeliest of the noise that the recordings have: it is one machine's, and where a likelihood has several tops one recording may
+    /// have found the right one.
+    fn start(&self, all: &[Noise]) -> Noise {
+        let own = all[self.index];
+        let others = all.iter().filter(|other| **other != own && other.colour.is_some() == own.colour.is_some());
+        others
+            .fold((own, self.score(&own)), |best, other| {
+                let score = self.score(other);
+                if score > best.1 { (*other, score) } else { best }
+            })
+            .0
     }
 
     /// The likeliest noise near another, and its score: along each number while the likelihood rises, in steps of 2^`octaves`, and where

@@ -33,24 +33,49 @@ impl Refitted {
             return Some(self);
         }
         let physics = self.hypothesis.physics(&problem.nominal);
-        let noise = noise_of(problem, &physics, &self.noise, 0.5, looked_at..all);
-        let evaluation = evaluate(problem, &physics, &noise, all)?;
-        Some(Self { noise, evaluation, ..self })
+        let mut found = self;
+        let held_out = evaluate(problem, &physics, &found.noise, looked_at..all)?;
+        found.evaluation.blocks.extend(held_out.blocks);
+        found.evaluation.innovations.extend(held_out.innovations);
+        let noise = noise_of(problem, &physics, &found.noise, 0.5, looked_at..all);
+        found.towards(problem, &physics, noise, looked_at..all)?;
+        Some(found)
     }
 
-    /// For each recording the noise under which it is likelier: estimated on an excerpt, it must hold on the whole.
-    fn take_likelier_noise(&mut self, problem: &Problem, mut other: Self) {
-        for index in 0..self.evaluation.blocks.len() {
-            let sum = |of: &Self| of.evaluation.blocks[index].iter().sum::<f64>();
-            if sum(&other) > sum(self) {
-                self.noise[index] = other.noise[index];
-                std::mem::swap(&mut self.evaluation.blocks[index], &mut other.evaluation.blocks[index]);
-                std::mem::swap(&mut self.evaluation.innovations[index], &mut other.evaluation.innovations[index]);
+    /// Goes over to another noise of some recordings, for each as far as that makes it likelier: estimated on an excerpt, it must hold on the
+    /// whole. None where a pass is not finite.
+    fn towards(
+        &mut self,
+        problem: &Problem,
+        physics: &Physics,
+        mut noise: Vec<Noise>,
+        which: Range<usize>,
+    ) -> Option<()> {
+        for _ in 0..HALVINGS_OF_NOISE {
+            if noise == self.noise {
+                break;
+            }
+            let other = evaluate(problem, physics, &noise, which.clone())?;
+            let found = which.clone().zip(other.blocks.into_iter().zip(other.innovations));
+            for (index, (blocks, innovations)) in found {
+                let rise = blocks.iter().sum::<f64>() - self.evaluation.blocks[index].iter().sum::<f64>();
+                if rise > 0.0 {
+                    self.noise[index] = noise[index];
+                    self.evaluation.blocks[index] = blocks;
+                    self.evaluation.innovations[index] = innovations;
+                }
+                let too_far = rise < -PROMISED_BY_NOISE;
+                noise[index] =
+                    if too_far { self.noise[index].halfway_to(&noise[index]) } else { self.noise[index] };
             }
         }
         self.log_likelihood = self.evaluation.fitted(problem);
+        Some(())
     }
 }
+
+/// How often the way to another noise is halved, on the scale of its logarithm, until a recording as a whole is likelier.
+const HALVINGS_OF_NOISE: usize = 3;
 
 /// Log-likelihood below which a step has found nothing more: a hundredth of what any test asks for.
 pub(super) const SETTLED: f64 = 0.05;
@@ -112,11 +137,9 @@ fn stepped(problem: &Problem, from: Refitted, damping: &mut f64) -> Option<Refit
 /// With the noise that goes with its values.
 fn with_its_noise(problem: &Problem, mut found: Refitted) -> Option<Refitted> {
     let physics = found.hypothesis.physics(&problem.nominal);
-    let noise = noise_of(problem, &physics, &found.noise, 0.5, 0..found.hypothesis.told_by(problem));
-    if noise != found.noise {
-        let other = at(problem, found.hypothesis.clone(), noise)?;
-        found.take_likelier_noise(problem, other);
-    }
+    let told_by = 0..found.hypothesis.told_by(problem);
+    let noise = noise_of(problem, &physics, &found.noise, 0.5, told_by.clone());
+    found.towards(problem, &physics, noise, told_by)?;
     Some(found)
 }
 
@@ -252,7 +275,7 @@ pub(crate) fn variance_along(problem: &Problem, best: &Refitted, place: (usize, 
 
 fn at(problem: &Problem, hypothesis: Hypothesis, noise: Vec<Noise>) -> Option<Refitted> {
     let many = hypothesis.told_by(problem);
-    let evaluation = evaluate(problem, &hypothesis.physics(&problem.nominal), &noise, many)?;
+    let evaluation = evaluate(problem, &hypothesis.physics(&problem.nominal), &noise, 0..many)?;
     let log_likelihood = evaluation.fitted(problem);
     Some(Refitted { hypothesis, noise, evaluation, log_likelihood })
 }

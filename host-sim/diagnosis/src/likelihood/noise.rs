@@ -40,6 +40,19 @@ impl Noise {
         Self { sensor_sd, torque_density, colour: None }
     }
 
+    /// Halfway to another on the scale of the logarithm; the same for one of the same.
+    pub(crate) fn halfway_to(&self, other: &Self) -> Self {
+        let mean = |own: f64, other: f64| if own == other { own } else { (own * other).sqrt() };
+        let colours = self.colour.zip(other.colour);
+        let colour = colours
+            .map(|(own, other)| Colour { sd: mean(own.sd, other.sd), memory_s: mean(own.memory_s, other.memory_s) });
+        Self {
+            sensor_sd: mean(self.sensor_sd, other.sensor_sd),
+            torque_density: mean(self.torque_density, other.torque_density),
+            colour: colour.or(other.colour),
+        }
+    }
+
     /// Spectral density of all torque noise at low frequencies, (N m)^2 s.
     pub(crate) fn slow_density(&self) -> f64 {
         self.torque_density + self.colour.map_or(0.0, |colour| 2.0 * colour.sd * colour.sd * colour.memory_s)
@@ -87,5 +100,21 @@ impl Rounding {
     pub(crate) fn kept(&self, travel: f64) -> f64 {
         let travels = self.per_travel * travel.abs();
         if travels < FORGOTTEN { (-travels).exp() } else { 0.0 }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn halfway_is_a_geometric_mean_and_the_same_stays() {
+        let coloured = |sd| Some(Colour { sd, memory_s: 0.01 });
+        let one = Noise { sensor_sd: 1e-6, torque_density: 1e-2, colour: coloured(1.0) };
+        let other = Noise { sensor_sd: 1e-4, torque_density: 1e-6, colour: coloured(4.0) };
+        let halfway = one.halfway_to(&other);
+        assert!((halfway.sensor_sd - 1e-5).abs() < 1e-12 && (halfway.torque_density - 1e-4).abs() < 1e-12);
+        assert_eq!(halfway.colour, coloured(2.0));
+        assert_eq!(one.halfway_to(&one), one);
     }
 }

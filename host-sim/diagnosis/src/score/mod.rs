@@ -7,6 +7,8 @@ use rayon::prelude::*;
 
 use crate::effects::{Columns, Effect, Excitation};
 use crate::hypothesis::{Entry, Hypothesis, Kept, columns, evaluate, over_excerpts};
+use crate::likelihood::Noise;
+use crate::physics::Physics;
 use crate::problem::Problem;
 
 use seek::seek;
@@ -76,8 +78,8 @@ fn overlaps(hypothesis: &Hypothesis, effect: &Effect, values: &[f64]) -> bool {
 
 /// The residual, its weights, and the columns of the hypothesis itself.
 struct Base {
-    /// Log-likelihood of the excerpts, scaled to all rows; none where the motion is given, which costs little as a whole.
-    of_excerpts: Option<f64>,
+    /// As [`as_it_starts`] has it.
+    as_it_is: Option<f64>,
     residual: Vec<f64>,
     weight: Vec<f64>,
     own: Vec<Vec<f64>>,
@@ -88,13 +90,12 @@ struct Base {
 
 impl Base {
     fn new(problem: &Problem, path: &Kept, own: Vec<Vec<Vec<f64>>>) -> Self {
-        let excerpts = || over_excerpts(problem, &path.physics, &path.noise);
-        let of_excerpts = if problem.motions.is_empty() { excerpts() } else { None };
+        let as_it_is = as_it_starts(problem, &path.physics, &path.noise);
         let (residual, weight) = path.weighted();
         let own: Vec<Vec<f64>> = own.into_iter().map(|column| column.concat()).collect();
         let many = own.len();
         let (information, gradient) = (DMatrix::zeros(many, many), DVector::zeros(many));
-        let mut base = Self { of_excerpts, residual, weight, own, information, gradient };
+        let mut base = Self { as_it_is, residual, weight, own, information, gradient };
         for i in 0..many {
             base.gradient[i] = -base.dot(&base.own[i], &base.residual);
             for j in 0..=i {
@@ -148,6 +149,15 @@ impl Base {
     }
 }
 
+/// The log-likelihood that a machine starts a refit from: of the excerpts, scaled to all rows, or where the motion is given, which costs
+/// little, of all. None for a machine the plant refuses or a pass that is not finite.
+pub(crate) fn as_it_starts(problem: &Problem, physics: &Physics, noise: &[Noise]) -> Option<f64> {
+    if problem.motions.is_empty() {
+        return over_excerpts(problem, physics, noise);
+    }
+    Some(evaluate(problem, physics, noise, 0..problem.fitted)?.fitted(problem))
+}
+
 fn candidate(
     problem: &Problem,
     hypothesis: &Hypothesis,
@@ -161,10 +171,7 @@ fn candidate(
     if effect.changes_samples_only() || effect.remembers {
         let other = hypothesis.with(effect, values.clone());
         let other = other.physics(&problem.nominal);
-        let gain = match base.of_excerpts {
-            Some(own) => over_excerpts(problem, &other, &path.noise)? - own,
-            None => evaluate(problem, &other, &path.noise, problem.fitted)?.fitted(problem) - path.log_likelihood(),
-        };
+        let gain = as_it_starts(problem, &other, &path.noise)? - base.as_it_is?;
         return Some(Candidate::new(effect, values.clone(), values, gain));
     }
     let response = |values: &[f64]| {
