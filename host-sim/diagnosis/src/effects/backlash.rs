@@ -2,19 +2,22 @@
 
 use plant::effects::Shaft;
 
-use super::{Effect, LOAD_SIDE, PLAIN, Parameter, Size, free, sized};
+use super::{Effect, LOAD_SIDE, PLAIN, Parameter, Size, free, rough, sized};
 
 /// Up to a quarter of the sample rate: four samples a period show it.
 const RESONANCE: Parameter = sized(Size::Rate, 1e-4, 0.25, 2.5e-3);
+
+/// Gaps that are tried, in travels.
+const GAPS: [f64; 6] = [2.5e-4, 5e-4, 1e-3, 2e-3, 4e-3, 8e-3];
 
 /// The entry of the vocabulary.
 pub static EFFECT: Effect = Effect {
     id: "backlash",
     sentence: "Part of the inertia hangs behind a gap: gear, key, spline or coupling with play.",
-    parameters: &[sized(Size::Travel, 0.0, 0.1, 1e-3), RESONANCE, free(1e-3, 1.0, 0.02), free(1e-2, 5.0, 0.1)],
+    parameters: &[rough(sized(Size::Travel, 0.0, 0.1, 1e-3)), RESONANCE, free(1e-3, 1.0, 0.02), free(1e-2, 5.0, 0.1)],
     starts: |_, e| {
         let mut all = Vec::new();
-        for gap in [2.5e-4, 5e-4, 1e-3, 2e-3, 4e-3, 8e-3] {
+        for gap in GAPS {
             for hz in [25.0, 60.0, 140.0] {
                 all.extend([0.15, 0.4, 1.0].map(|ratio| vec![gap * e.travel.max(1e-6), hz, 0.05, ratio]));
             }
@@ -24,5 +27,9 @@ pub static EFFECT: Effect = Effect {
     put: |p, v| p.model.shaft = Some(Shaft { gap: v[0], resonance_hz: v[1], damping_ratio: v[2], inertia_ratio: v[3] }),
     measured_by: Some(LOAD_SIDE),
     remembers: true,
+    // A shaft that is followed to its resonance without a gap leaves little but the gap to find.
+    widens: Some((&super::compliance::EFFECT, |shaft, e| {
+        GAPS.map(|gap| [&[gap * e.travel.max(1e-6)], shaft].concat()).to_vec()
+    })),
     ..PLAIN
 };

@@ -69,6 +69,8 @@ pub struct Parameter {
     pub free: bool,
     /// Found by a search of the likelihood along it and not by derivatives.
     pub searched: bool,
+    /// Found by derivatives and, where those lead no further, by such a search too: its likelihood is rough.
+    pub rough: bool,
     /// What bounds and scale are multiples of.
     pub size: Size,
 }
@@ -86,12 +88,12 @@ pub struct Range {
 
 /// A free parameter between two bounds.
 pub(crate) const fn free(low: f64, high: f64, scale: f64) -> Parameter {
-    Parameter { low, high, scale, free: true, searched: false, size: Size::Unit }
+    Parameter { low, high, scale, free: true, searched: false, rough: false, size: Size::Unit }
 }
 
 /// A free parameter whose bounds and scale are multiples of a size of the machine.
 pub(crate) const fn sized(size: Size, low: f64, high: f64, scale: f64) -> Parameter {
-    Parameter { low, high, scale, free: true, searched: false, size }
+    Parameter { low, high, scale, free: true, searched: false, rough: false, size }
 }
 
 /// A parameter the start grid decides.
@@ -102,13 +104,19 @@ pub(crate) const fn fixed() -> Parameter {
         scale: 1.0,
         free: false,
         searched: false,
+        rough: false,
         size: Size::Unit,
     }
 }
 
 /// A number above zero that no derivative of the innovations tells.
 pub(crate) const fn searched(low: f64, high: f64) -> Parameter {
-    Parameter { low, high, scale: 1.0, free: false, searched: true, size: Size::Unit }
+    Parameter { low, high, scale: 1.0, free: false, searched: true, rough: false, size: Size::Unit }
+}
+
+/// A free parameter above zero whose likelihood is rough.
+pub(crate) const fn rough(parameter: Parameter) -> Parameter {
+    Parameter { rough: true, ..parameter }
 }
 
 /// What these recordings excite: sizes that start grids are scaled by, and candidates found in the residual.
@@ -168,6 +176,9 @@ pub enum Columns {
 /// Recording, start and end, s.
 pub type Span = (usize, f64, f64);
 
+/// An effect with what its fitted values make starts of a wider one.
+pub type Widening = (&'static Effect, fn(&[f64], &Excitation) -> Vec<Vec<f64>>);
+
 /// One entry of the vocabulary.
 pub struct Effect {
     /// Identifier of the specification.
@@ -202,6 +213,8 @@ pub struct Effect {
     pub once: bool,
     /// It adds a memory to the machine: what it does from a start is far from what a column promises.
     pub remembers: bool,
+    /// An effect that it is a wider form of, and starts from that one's fitted values.
+    pub widens: Option<Widening>,
     /// The recording that the value at an index belongs to alone; none for what holds for all of them.
     pub recording_of: fn(&[f64], usize) -> Option<usize>,
     /// Places that were looked at to find its starts, beside the starts themselves.
@@ -236,6 +249,7 @@ pub(crate) const PLAIN: Effect = Effect {
     span: |_| None,
     once: false,
     remembers: false,
+    widens: None,
     recording_of: |_, _| None,
     looked_at: |_| 1.0,
     by_chance: |_, _| 0.0,

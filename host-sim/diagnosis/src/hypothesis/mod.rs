@@ -67,6 +67,11 @@ impl Hypothesis {
         self.places(|parameter| parameter.searched)
     }
 
+    /// Places of the free numbers whose likelihood is rough.
+    pub(crate) fn rough(&self) -> Vec<(usize, usize)> {
+        self.places(|parameter| parameter.rough)
+    }
+
     fn places(&self, which: impl Fn(Parameter) -> bool) -> Vec<(usize, usize)> {
         let indices = |entry: &Entry| (0..entry.values.len()).filter(|&at| which(entry.effect.parameter(at))).collect();
         let of = |(at, entry)| -> Vec<(usize, usize)> {

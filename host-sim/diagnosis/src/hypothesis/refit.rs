@@ -65,8 +65,7 @@ impl Refitted {
                     self.evaluation.innovations[index] = innovations;
                 }
                 let too_far = rise < -PROMISED_BY_NOISE;
-                noise[index] =
-                    if too_far { self.noise[index].halfway_to(&noise[index]) } else { self.noise[index] };
+                noise[index] = if too_far { self.noise[index].halfway_to(&noise[index]) } else { self.noise[index] };
             }
         }
         self.log_likelihood = self.evaluation.fitted(problem);
@@ -85,7 +84,7 @@ pub fn refit(problem: &Problem, start: &Hypothesis, noise: &[Noise], rounds: usi
     let mut best = at(problem, start.clone(), noise.to_vec())?;
     let mut damping = FIRST_DAMPING;
     let mut estimated: Option<Estimated> = None;
-    for _ in 0..rounds {
+    for round in 0..rounds {
         if problem.is_spent() {
             break;
         }
@@ -97,7 +96,13 @@ pub fn refit(problem: &Problem, start: &Hypothesis, noise: &[Noise], rounds: usi
             best = with_its_noise(problem, best)?;
             estimated = Some(Estimated::on(&best));
         }
-        if settled && best.log_likelihood - before < 10.0 * SETTLED {
+        let rises = |best: &Refitted| best.log_likelihood - before >= 10.0 * SETTLED;
+        let ends = settled && !rises(&best);
+        if ends || round + 1 == rounds {
+            let places = best.hypothesis.rough();
+            best = searched(problem, best, &places, FINEST_OF_ROUGH);
+        }
+        if ends && !rises(&best) {
             break;
         }
     }
@@ -131,7 +136,8 @@ fn stepped(problem: &Problem, from: Refitted, damping: &mut f64) -> Option<Refit
         Some((information, gradient)) => descended(problem, from, &information, &gradient, damping),
         None => from,
     };
-    Some(searched(problem, best))
+    let places = best.hypothesis.searched();
+    Some(searched(problem, best, &places, FINEST))
 }
 
 /// With the noise that goes with its values.
@@ -212,12 +218,14 @@ fn descended(
 
 /// Halvings of the step along a number that no derivative tells, after which its likelihood is taken to be flat.
 const FINEST: i32 = 20;
+/// The same where derivatives go on: a thirtieth of an octave, over which a gap's likelihood is a slope again.
+const FINEST_OF_ROUGH: i32 = 6;
 
-/// The numbers that no derivative tells, each followed up and down while the likelihood rises, in steps that halve until they are
+/// Numbers that no derivative tells, each followed up and down while the likelihood rises, in steps that halve until they are
 /// small beside what the likelihood tells of the number.
-fn searched(problem: &Problem, mut best: Refitted) -> Refitted {
-    for place in best.hypothesis.searched() {
-        for halvings in 1..FINEST {
+fn searched(problem: &Problem, mut best: Refitted, places: &[(usize, usize)], finest: i32) -> Refitted {
+    for &place in places {
+        for halvings in 1..finest {
             let octaves = f64::exp2(f64::from(-halvings));
             let before = best.log_likelihood;
             let mut change = 0.0_f64;

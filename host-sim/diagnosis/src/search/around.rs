@@ -6,7 +6,7 @@ use crate::effects::{Effect, VOCABULARY};
 use crate::hypothesis::{Entry, Hypothesis, Refitted, kept, refit, refit_under};
 use crate::likelihood::Noise;
 use crate::problem::Problem;
-use crate::score::{Candidate, score};
+use crate::score::{Candidate, as_it_starts, score};
 
 use super::Rejected;
 
@@ -84,6 +84,8 @@ impl Trial {
 /// A candidate with its refits.
 struct Tried {
     candidate: Candidate,
+    /// Whether it starts from the refit of an effect that its own widens.
+    widened: bool,
     short: Trial,
     followed: Trial,
 }
@@ -122,9 +124,9 @@ impl Around {
 
     /// What is found around the same hypothesis under noise of another kind: what was followed goes on from its optimum.
     pub(super) fn under(self, at: &Refitted) -> Self {
-        let anew = |Tried { candidate, short, followed }: Tried| {
+        let anew = |Tried { candidate, widened, short, followed }: Tried| {
             let short = if followed.refitted().is_some() { followed } else { short };
-            Tried { candidate, short, followed: Trial::NotMade }
+            Tried { candidate, widened, short, followed: Trial::NotMade }
         };
         let tried = self.tried.map(|all| all.into_iter().map(anew).collect());
         Self { at: at.clone(), tried, ..self }
@@ -135,8 +137,7 @@ impl Around {
         let physics = self.at.hypothesis.physics(&problem.nominal);
         let path = kept(problem, &physics, &self.at.noise, problem.fitted);
         let scored = path.map(|path| score(problem, &self.at.hypothesis, &path, &self.vocabulary)).unwrap_or_default();
-        let tried = |candidate| Tried { candidate, short: Trial::NotMade, followed: Trial::NotMade };
-        scored.into_iter().map(tried).collect()
+        scored.into_iter().map(|candidate| Tried::new(candidate, false)).collect()
     }
 
     /// The refits of the first few candidates among some effects, best first by likelihood with a price on each free value.
@@ -145,11 +146,16 @@ impl Around {
         let mut found = Vec::new();
         if !problem.is_spent() {
             let price = problem.price();
-            let mut starts = first_few(&mut all, among, price);
-            self.refitted_short(problem, &mut starts);
+            self.refitted_short(problem, &mut first_few(&mut all, among, price));
+            let mut wider: Vec<Tried> = among.iter().filter_map(|effect| self.widened(problem, &all, effect)).collect();
+            self.refitted_short(problem, &mut wider.iter_mut().collect::<Vec<_>>());
+            all.extend(wider);
             let rank = |one: &Refitted| one.log_likelihood - price * freedom(one);
-            let mut ranked: Vec<(f64, &mut Tried)> =
-                starts.into_iter().filter_map(|tried| Some((rank(tried.short.refitted()?), tried))).collect();
+            let mut ranked: Vec<(f64, &mut Tried)> = all
+                .iter_mut()
+                .filter(|tried| among.contains(&tried.candidate.entry.effect))
+                .filter_map(|tried| Some((rank(tried.short.refitted()?), tried)))
+                .collect();
             ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
             let mut first = first_of_its_effect();
             ranked.retain(|(_, tried)| first(tried));
@@ -176,6 +182,33 @@ impl Around {
             Rejected { effect: entry.effect, rise: *gain, gain: None, certain: false }
         };
         too_little.map(rejected).collect()
+    }
+
+    /// A start of an effect from the refit of the one that it widens, the likeliest on the excerpts; none where that one brings nothing,
+    /// or where it has been made.
+    fn widened(&self, problem: &Problem, all: &[Tried], effect: &'static Effect) -> Option<Tried> {
+        let (narrower, starts) = effect.widens?;
+        let of = |effect: &'static Effect| all.iter().filter(move |tried| tried.candidate.entry.effect == effect);
+        if of(effect).any(|tried| tried.widened) {
+            return None;
+        }
+        let refits = of(narrower).filter_map(|tried| tried.short.refitted());
+        let from = refits.max_by(|a, b| a.log_likelihood.total_cmp(&b.log_likelihood))?;
+        let worth_it =
+            from.log_likelihood - self.at.log_likelihood > problem.price() * (freedom(from) - freedom(&self.at));
+        if !worth_it {
+            return None;
+        }
+        let starts = starts(&from.hypothesis.entries.last()?.values, &problem.excitation);
+        let tries = of(effect).map(|tried| tried.candidate.tries).fold(0.0, f64::max) + starts.len() as f64;
+        let score = |values: Vec<f64>| {
+            let physics = self.at.hypothesis.with(effect, values.clone()).physics(&problem.nominal);
+            Some((as_it_starts(problem, &physics, &from.noise)?, values))
+        };
+        let (_, values) = starts.into_par_iter().filter_map(score).max_by(|a, b| a.0.total_cmp(&b.0))?;
+        let gain = from.log_likelihood - self.at.log_likelihood;
+        let entry = Entry { effect, values: values.clone() };
+        Some(Tried::new(Candidate { entry, from: values, gain, tries, by_chance: 0.0 }, true))
     }
 
     /// As far as ranks them.
@@ -262,6 +295,10 @@ fn first_of_its_effect() -> impl FnMut(&Tried) -> bool {
 }
 
 impl Tried {
+    fn new(candidate: Candidate, widened: bool) -> Self {
+        Self { candidate, widened, short: Trial::NotMade, followed: Trial::NotMade }
+    }
+
     /// Whether the linear model, or the start itself, is worth the price of its free values: a refit that brings less is not taken.
     fn promises(&self, price: f64) -> bool {
         let Entry { effect, values } = &self.candidate.entry;
