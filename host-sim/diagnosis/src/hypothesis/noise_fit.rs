@@ -27,7 +27,7 @@ fn noise_of_one(problem: &Problem, physics: &Physics, index: usize, from: &[Nois
         return Some(prepared.likeliest_noise(motion, &problem.recordings[index], &residual));
     }
     let excerpt = Excerpt { problem, index, prepared: &prepared, acting: &acting };
-    Some(excerpt.likeliest(excerpt.start(from), octaves).0)
+    Some(excerpt.likeliest(from[index], octaves).0)
 }
 
 /// Memories that are tried first, s: from what a current loop has to what ripple and bearings have. Each is a factor of four from
@@ -111,19 +111,6 @@ impl Excerpt<'_> {
         };
         let sum: f64 = problem.excerpts[index].iter().map(of).sum();
         if sum.is_finite() { sum } else { f64::NEG_INFINITY }
-    }
-
-    /// The likeliest of the noise that the recordings have: it is one machine's, and where a likelihood has several tops one recording may
-    /// have found the right one.
-    fn start(&self, all: &[Noise]) -> Noise {
-        let own = all[self.index];
-        let others = all.iter().filter(|other| **other != own && other.colour.is_some() == own.colour.is_some());
-        others
-            .fold((own, self.score(&own)), |best, other| {
-                let score = self.score(other);
-                if score > best.1 { (*other, score) } else { best }
-            })
-            .0
     }
 
     /// The likeliest noise near another, and its score: along each number while the likelihood rises, in steps of 2^`octaves`, and where
