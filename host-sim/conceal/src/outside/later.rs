@@ -9,7 +9,7 @@ pub(super) fn passing_s(scales: &Scales) -> f64 {
 }
 
 /// Sign that a shape draws.
-fn sign(shape: &Shape) -> f64 {
+pub(super) fn sign(shape: &Shape) -> f64 {
     if shape[3] < 0.5 { 1.0 } else { -1.0 }
 }
 

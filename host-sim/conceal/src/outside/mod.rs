@@ -3,9 +3,12 @@
 //! A kind changes the machine where it acts (drive, friction, torque, field, drag, inertia, sensor) and keeps what it remembers. Its values
 //! are in the SI units of the axis: N m or N, rad or m.
 
+#[cfg(test)]
+mod at_work;
 mod drive;
 mod fluid;
 mod friction;
+mod further;
 mod kinds;
 mod later;
 mod mechanics;

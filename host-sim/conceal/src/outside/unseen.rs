@@ -5,8 +5,6 @@ mod fluid;
 mod friction;
 mod mechanics;
 mod sensor;
-#[cfg(test)]
-mod tests;
 
 use std::f64::consts::TAU;
 
@@ -25,7 +23,7 @@ fn swings(scales: &Scales, strength: f64, shape: &Shape) -> Vec<f64> {
 }
 
 /// Of a clock that knows nothing of the recordings: its phase is the third value.
-const fn of_clock(kind: Kind) -> Kind {
+pub(super) const fn of_clock(kind: Kind) -> Kind {
     Kind { free_phase: Some(2), ..kind }
 }
 

@@ -1,11 +1,10 @@
-//! Every kind of the list at work on the nominal machine. A kind is told by its place in the list.
+//! Every kind of the newer lists at work on the nominal machine. A kind is told by its place in them.
 
 use rand::SeedableRng;
 use rand::rngs::StdRng;
 
-use super::*;
+use super::{Kind, Scales, Shape, further, kinds, unseen};
 use crate::catalogue::{ENTRIES, for_recording};
-use crate::outside::kinds;
 use crate::physics::Physics;
 use crate::rotor::{Command, Rotor, STEP_S};
 use crate::sensor::Measured;
@@ -47,6 +46,11 @@ fn moved(physics: &Physics, steps: usize, times: f64) -> Vec<f64> {
     (0..ROWS).flat_map(row).collect()
 }
 
+/// Kinds of the lists that are held against each other.
+fn newer() -> impl Iterator<Item = &'static Kind> {
+    unseen::KINDS.iter().chain(further::KINDS)
+}
+
 fn with(kind: &'static Kind, size: f64, shape: &Shape) -> Physics {
     let mut physics = Physics::nominal();
     kind.conceal(&mut physics, &(kind.values)(&SCALES, size, shape));
@@ -62,7 +66,7 @@ fn largest(one: &[f64], other: &[f64]) -> f64 {
 fn no_size_is_no_effect_and_what_is_larger_shows_more() {
     let nominal = moved(&Physics::nominal(), 20, 1.0);
     let way = largest(&nominal, &vec![0.0; 2 * ROWS]);
-    for (index, kind) in KINDS.iter().enumerate() {
+    for (index, kind) in newer().enumerate() {
         for shape in &SHAPES {
             let changes = |size: f64| largest(&moved(&with(kind, size, shape), 20, 1.0), &nominal);
             let [none, least, small, more, whole] = [0.0, 1e-9, 0.003, 0.03, 1.0].map(changes);
@@ -75,7 +79,7 @@ fn no_size_is_no_effect_and_what_is_larger_shows_more() {
 
 #[test]
 fn what_differs_between_recordings_is_what_the_list_says() {
-    for kind in KINDS {
+    for kind in newer() {
         let physics = with(kind, 0.5, &SHAPES[0]);
         let values = |seed: u64| {
             let of = for_recording(&physics, 0, &mut StdRng::seed_from_u64(seed));
@@ -88,7 +92,7 @@ fn what_differs_between_recordings_is_what_the_list_says() {
 
 #[test]
 fn extreme_torques_sizes_and_steps_leave_every_number_finite() {
-    for kind in KINDS {
+    for kind in newer() {
         for shape in &SHAPES {
             for (size, times, steps) in [(1.0, 1e4, 10), (4.0, 100.0, 10), (1.0, 1.0, 1)] {
                 let rows = moved(&with(kind, size, shape), steps, times);
@@ -100,7 +104,7 @@ fn extreme_torques_sizes_and_steps_leave_every_number_finite() {
 
 #[test]
 fn every_kind_converges_as_the_step_becomes_finer() {
-    for (index, kind) in KINDS.iter().enumerate() {
+    for (index, kind) in newer().enumerate() {
         let runs = |physics: &Physics| [1, 4].map(|finer| moved(physics, finer * (5e-4 / STEP_S) as usize / 4, 1.0));
         let [coarse, fine] = runs(&with(kind, 0.2, &SHAPES[0]));
         let error = largest(&coarse, &fine);
@@ -134,7 +138,7 @@ fn no_kind_is_another_again() {
         (entry.id, physics)
     });
     let all: Vec<(&str, Vec<f64>)> = of_kinds.chain(inside).map(|(id, physics)| (id, adds(&physics))).collect();
-    for (index, kind) in KINDS.iter().enumerate() {
+    for (index, kind) in newer().enumerate() {
         for (_, own) in all.iter().filter(|(id, _)| *id == kind.id) {
             let others = all.iter().filter(|(id, _)| *id != kind.id);
             let most = others.map(|(_, other)| alike(own, other).abs()).fold(0.0, f64::max);
