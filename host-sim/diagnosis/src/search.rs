@@ -12,7 +12,7 @@ use crate::likelihood::Noise;
 use crate::problem::Problem;
 
 pub use around::Odds;
-use around::{Around, Extended, freedom};
+use around::{Around, Extended};
 use neighbourhood::Neighbourhood;
 
 /// Most effects of one hypothesis: twice what the hardest case of the proof conceals.
@@ -230,7 +230,7 @@ fn around_best<'a>(moved: &'a mut Option<Around>, began: &'a mut Around) -> &'a 
 fn not_taken(problem: &Problem, from: &Step, Extended { refitted: to, odds, .. }: Extended) -> Option<Rejected> {
     let effect = to.hypothesis.entries.last()?.effect;
     let rise = to.log_likelihood - from.assessed.refitted.log_likelihood;
-    let worth_it = rise > problem.price() * (freedom(&to) - freedom(&from.assessed.refitted));
+    let worth_it = around::priced(problem, &to) > around::priced(problem, &from.assessed.refitted);
     let entry = to.hypothesis.entries.len() - 1;
     let next = if worth_it && !problem.is_spent() { Step::new(problem, to) } else { None };
     let gain = next.as_ref().map(|next| self::gain(problem, next, from, entry));

@@ -29,6 +29,7 @@ mod quadratic_drag;
 mod resolver_eccentricity;
 mod sensor_glitch;
 mod sensor_latency;
+mod size;
 mod spring_load;
 mod stribeck_friction;
 mod temperature_viscosity;
@@ -45,8 +46,6 @@ mod vibration;
 mod viscosity_dead_time;
 mod viscosity_lag;
 mod viscous_friction;
-
-mod size;
 
 use plant::effects::{Harmonic, Pulse};
 

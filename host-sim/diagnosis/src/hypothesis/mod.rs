@@ -1,5 +1,6 @@
 //! A hypothesis: effects with values on top of the nominal machine.
 
+mod along;
 mod evaluate;
 mod noise_fit;
 mod orders;
@@ -9,13 +10,14 @@ use crate::effects::{Effect, Parameter};
 use crate::physics::Physics;
 use crate::problem::Problem;
 
+pub(crate) use along::variance_along;
 pub use evaluate::{Evaluation, evaluate};
 pub(crate) use evaluate::{Kept, KeptRecording, kept};
 pub(crate) use noise_fit::over_excerpts;
 pub use noise_fit::{coloured_noise, noise_of};
 pub(crate) use orders::with_likelier_order;
 pub use refit::{Refitted, refit};
-pub(crate) use refit::{columns, ranges, refit_under, variance_along};
+pub(crate) use refit::{columns, ranges, refit_under};
 
 /// One effect with its values.
 #[derive(Debug, Clone, PartialEq)]

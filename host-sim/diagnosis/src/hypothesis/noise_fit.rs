@@ -13,21 +13,21 @@ use crate::problem::Problem;
 /// The noise of each recording under which a machine is most likely, searched from `from` in steps of 2^`octaves` downwards for
 /// those of `which` and as it is for the others. Noise without a memory gets none.
 pub fn noise_of(problem: &Problem, physics: &Physics, from: &[Noise], octaves: f64, which: Range<usize>) -> Vec<Noise> {
-    let one = |index: usize| {
+    let one = |(index, from): (usize, &Noise)| {
         let found = which.contains(&index).then(|| noise_of_one(problem, physics, index, from, octaves));
-        found.flatten().unwrap_or(from[index])
+        found.flatten().unwrap_or(*from)
     };
-    (0..from.len()).into_par_iter().map(one).collect()
+    from.par_iter().enumerate().map(one).collect()
 }
 
-fn noise_of_one(problem: &Problem, physics: &Physics, index: usize, from: &[Noise], octaves: f64) -> Option<Noise> {
+fn noise_of_one(problem: &Problem, physics: &Physics, index: usize, from: &Noise, octaves: f64) -> Option<Noise> {
     let (prepared, acting) = prepare(problem, physics, index)?;
     if let Some(motion) = problem.motions.get(index) {
         let residual = residual(problem, index, motion, &prepared, &acting);
         return Some(prepared.likeliest_noise(motion, &problem.recordings[index], &residual));
     }
     let excerpt = Excerpt { problem, index, prepared: &prepared, acting: &acting };
-    Some(excerpt.likeliest(from[index], octaves).0)
+    Some(excerpt.likeliest(*from, octaves).0)
 }
 
 /// Memories that are tried first, s: from what a current loop has to what ripple and bearings have. Each is a factor of four from

@@ -3,8 +3,10 @@
 use std::ops::Range;
 
 use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
 
 use super::Hypothesis;
+use super::along::{FINEST, FINEST_OF_ROUGH, searched};
 use super::evaluate::{Evaluation, Kept, KeptRecording, evaluate, kept};
 use super::noise_fit::noise_of;
 use crate::likelihood::filter::HUBER;
@@ -38,38 +40,52 @@ impl Refitted {
         found.evaluation.blocks.extend(held_out.blocks);
         found.evaluation.innovations.extend(held_out.innovations);
         let noise = noise_of(problem, &physics, &found.noise, 0.5, looked_at..all);
-        found.towards(problem, &physics, noise, looked_at..all)?;
+        found.towards(problem, &physics, &noise, looked_at..all)?;
         Some(found)
     }
 
     /// Goes over to another noise of some recordings, for each as far as that makes it likelier: estimated on an excerpt, it must hold on the
     /// whole. None where a pass is not finite.
-    fn towards(
-        &mut self,
-        problem: &Problem,
-        physics: &Physics,
-        mut noise: Vec<Noise>,
-        which: Range<usize>,
-    ) -> Option<()> {
-        for _ in 0..HALVINGS_OF_NOISE {
-            if noise == self.noise {
-                break;
-            }
-            let other = evaluate(problem, physics, &noise, which.clone())?;
-            let found = which.clone().zip(other.blocks.into_iter().zip(other.innovations));
-            for (index, (blocks, innovations)) in found {
-                let rise = blocks.iter().sum::<f64>() - self.evaluation.blocks[index].iter().sum::<f64>();
-                if rise > 0.0 {
-                    self.noise[index] = noise[index];
-                    self.evaluation.blocks[index] = blocks;
-                    self.evaluation.innovations[index] = innovations;
-                }
-                let too_far = rise < -PROMISED_BY_NOISE;
-                noise[index] = if too_far { self.noise[index].halfway_to(&noise[index]) } else { self.noise[index] };
-            }
+    fn towards(&mut self, problem: &Problem, physics: &Physics, noise: &[Noise], which: Range<usize>) -> Option<()> {
+        let likelier = |index: usize| self.likelier(problem, physics, index, noise[index]);
+        let found: Option<Vec<Option<(Noise, Evaluation)>>> = which.clone().into_par_iter().map(likelier).collect();
+        for (index, found) in which.zip(found?) {
+            let Some((noise, evaluation)) = found else { continue };
+            self.noise[index] = noise;
+            self.evaluation.blocks.splice(index..=index, evaluation.blocks);
+            self.evaluation.innovations.splice(index..=index, evaluation.innovations);
         }
         self.log_likelihood = self.evaluation.fitted(problem);
         Some(())
+    }
+
+    /// The first noise on the way back from another one under which a recording is likelier, and the recording under it; an inner none
+    /// where there is none.
+    fn likelier(
+        &self,
+        problem: &Problem,
+        physics: &Physics,
+        index: usize,
+        mut tried: Noise,
+    ) -> Option<Option<(Noise, Evaluation)>> {
+        let own = self.noise[index];
+        let mut noise = self.noise.clone();
+        for _ in 0..HALVINGS_OF_NOISE {
+            if tried == own {
+                break;
+            }
+            noise[index] = tried;
+            let found = evaluate(problem, physics, &noise, index..index + 1)?;
+            let rise = found.blocks.iter().flatten().sum::<f64>() - self.evaluation.blocks[index].iter().sum::<f64>();
+            if rise > 0.0 {
+                return Some(Some((tried, found)));
+            }
+            if rise >= -PROMISED_BY_NOISE {
+                break;
+            }
+            tried = own.halfway_to(&tried);
+        }
+        Some(None)
     }
 }
 
@@ -145,7 +161,7 @@ fn with_its_noise(problem: &Problem, mut found: Refitted) -> Option<Refitted> {
     let physics = found.hypothesis.physics(&problem.nominal);
     let told_by = 0..found.hypothesis.told_by(problem);
     let noise = noise_of(problem, &physics, &found.noise, 0.5, told_by.clone());
-    found.towards(problem, &physics, noise, told_by)?;
+    found.towards(problem, &physics, &noise, told_by)?;
     Some(found)
 }
 
@@ -216,72 +232,7 @@ fn descended(
     from
 }
 
-/// Halvings of the step along a number that no derivative tells, after which its likelihood is taken to be flat.
-const FINEST: i32 = 20;
-/// The same where derivatives go on: a thirtieth of an octave, over which a gap's likelihood is a slope again.
-const FINEST_OF_ROUGH: i32 = 6;
-
-/// Numbers that no derivative tells, each followed up and down while the likelihood rises, in steps that halve until they are
-/// small beside what the likelihood tells of the number.
-fn searched(problem: &Problem, mut best: Refitted, places: &[(usize, usize)], finest: i32) -> Refitted {
-    for &place in places {
-        for halvings in 1..finest {
-            let octaves = f64::exp2(f64::from(-halvings));
-            let before = best.log_likelihood;
-            let mut change = 0.0_f64;
-            for sign in [1.0, -1.0] {
-                while let Some(found) = along(problem, &best, place, sign * octaves) {
-                    change = change.max((found.log_likelihood - best.log_likelihood).abs());
-                    if found.log_likelihood <= best.log_likelihood || problem.is_spent() {
-                        break;
-                    }
-                    best = found;
-                }
-            }
-            if best.log_likelihood - before < SETTLED && change < SETTLED {
-                break;
-            }
-        }
-    }
-    best
-}
-
-/// With a number that no derivative tells moved by a power of two; none where its range ends.
-fn along(problem: &Problem, from: &Refitted, (entry, index): (usize, usize), octaves: f64) -> Option<Refitted> {
-    let mut tried = from.hypothesis.clone();
-    let of = &mut tried.entries[entry];
-    let range = of.effect.ranges(of.values.len(), &problem.nominal, &problem.excitation)[index];
-    let value = of.values[index] * octaves.exp2();
-    of.values[index] = value;
-    (range.low <= value && value <= range.high).then(|| at(problem, tried, from.noise.clone())).flatten()
-}
-
-/// Variance of the number at a place of [`Hypothesis::searched`], the others held, from how far its likelihood falls over the smallest
-/// step, of those that are powers of two, over which that is as much as over a standard deviation.
-pub(crate) fn variance_along(problem: &Problem, best: &Refitted, place: (usize, usize)) -> f64 {
-    let value = best.hypothesis.entries[place.0].values[place.1];
-    let fall = |halvings: i32| {
-        let octaves = f64::exp2(f64::from(-halvings));
-        let falls =
-            [octaves, -octaves].map(|by| Some(best.log_likelihood - along(problem, best, place, by)?.log_likelihood));
-        let told: Vec<f64> = falls.into_iter().flatten().collect();
-        told.iter().sum::<f64>() / told.len().max(1) as f64
-    };
-    let (mut larger, mut smaller) = ((0, fall(0)), FINEST);
-    while smaller - larger.0 > 1 {
-        let between = (smaller + larger.0) / 2;
-        let of_it = fall(between);
-        if of_it >= 0.5 {
-            larger = (between, of_it);
-        } else {
-            smaller = between;
-        }
-    }
-    let step = value * (f64::exp2(f64::exp2(f64::from(-larger.0))) - 1.0);
-    step * step / (2.0 * larger.1.max(0.5))
-}
-
-fn at(problem: &Problem, hypothesis: Hypothesis, noise: Vec<Noise>) -> Option<Refitted> {
+pub(super) fn at(problem: &Problem, hypothesis: Hypothesis, noise: Vec<Noise>) -> Option<Refitted> {
     let many = hypothesis.told_by(problem);
     let evaluation = evaluate(problem, &hypothesis.physics(&problem.nominal), &noise, 0..many)?;
     let log_likelihood = evaluation.fitted(problem);
@@ -306,7 +257,6 @@ pub(crate) fn ranges(problem: &Problem, hypothesis: &Hypothesis) -> Vec<crate::e
 
 /// Derivatives of the whitened innovations by the free values, one column a value, each of one vector a recording.
 pub(crate) fn columns(problem: &Problem, hypothesis: &Hypothesis, path: &Kept) -> Vec<Option<Vec<Vec<f64>>>> {
-    use rayon::prelude::*;
     let places = hypothesis.free();
     let ranges = ranges(problem, hypothesis);
     places

@@ -49,7 +49,7 @@ impl Noise {
         Self {
             sensor_sd: mean(self.sensor_sd, other.sensor_sd),
             torque_density: mean(self.torque_density, other.torque_density),
-            colour: colour.or(other.colour),
+            colour,
         }
     }
 

@@ -229,7 +229,8 @@ fn pushes(missing: &[Missing<'_>], smeared_s: f64) -> Vec<(usize, Pulse, f64)> {
             found_in(unlikely.windows(many), &signed.windows(many));
         }
     }
-    let tried = if given { 1 } else { 2 } * missing.len() * INDEPENDENT_LENGTHS;
+    let kinds_of_sum = if given { 1 } else { 2 };
+    let tried = kinds_of_sum * missing.len() * INDEPENDENT_LENGTHS;
     found.iter_mut().for_each(|(.., chance)| *chance = (*chance * tried as f64).min(1.0));
     found.sort_by(|a, b| a.2.total_cmp(&b.2));
     found.truncate(MOST);

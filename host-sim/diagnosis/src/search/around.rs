@@ -38,8 +38,13 @@ impl Odds {
 const NOT_YET: (f64, f64) = (1.0, 0.0);
 
 /// Number of free values.
-pub(super) fn freedom(refitted: &Refitted) -> f64 {
+fn freedom(refitted: &Refitted) -> f64 {
     refitted.hypothesis.entries.iter().map(|entry| entry.effect.freedom(&entry.values)).sum::<usize>() as f64
+}
+
+/// Log-likelihood with a price on each free value (Schwarz 1978).
+pub(super) fn priced(problem: &Problem, refitted: &Refitted) -> f64 {
+    refitted.log_likelihood - problem.price() * freedom(refitted)
 }
 
 /// A refit within its share of the work.
@@ -150,7 +155,7 @@ impl Around {
             let mut wider: Vec<Tried> = among.iter().filter_map(|effect| self.widened(problem, &all, effect)).collect();
             self.refitted_short(problem, &mut wider.iter_mut().collect::<Vec<_>>());
             all.extend(wider);
-            let rank = |one: &Refitted| one.log_likelihood - price * freedom(one);
+            let rank = |one: &Refitted| priced(problem, one);
             let mut ranked: Vec<(f64, &mut Tried)> = all
                 .iter_mut()
                 .filter(|tried| among.contains(&tried.candidate.entry.effect))
@@ -194,9 +199,7 @@ impl Around {
         }
         let refits = of(narrower).filter_map(|tried| tried.short.refitted());
         let from = refits.max_by(|a, b| a.log_likelihood.total_cmp(&b.log_likelihood))?;
-        let worth_it =
-            from.log_likelihood - self.at.log_likelihood > problem.price() * (freedom(from) - freedom(&self.at));
-        if !worth_it {
+        if priced(problem, from) <= priced(problem, &self.at) {
             return None;
         }
         let starts = starts(&from.hypothesis.entries.last()?.values, &problem.excitation);
