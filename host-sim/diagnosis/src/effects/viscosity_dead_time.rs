@@ -2,6 +2,7 @@
 
 use plant::FluidResponse;
 
+use super::viscosity_lag::no_delay_of_viscosity;
 use super::{Effect, PLAIN, free, strongest, with_field};
 
 /// The entry of the vocabulary.
@@ -16,5 +17,6 @@ pub static EFFECT: Effect = Effect {
             er.response = FluidResponse::ViscosityDeadTime { dead_time_s: v[0], torque_limit: strongest(er) };
         }
     },
+    neutral: no_delay_of_viscosity,
     ..PLAIN
 };

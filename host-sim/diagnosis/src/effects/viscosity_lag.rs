@@ -2,6 +2,8 @@
 
 use plant::FluidResponse;
 
+use crate::physics::Physics;
+
 use super::{Effect, PLAIN, free, strongest, with_field};
 
 /// The entry of the vocabulary.
@@ -16,5 +18,13 @@ pub static EFFECT: Effect = Effect {
             er.response = FluidResponse::ViscosityLag { lag_s: v[0], torque_limit: strongest(er) };
         }
     },
+    neutral: no_delay_of_viscosity,
     ..PLAIN
 };
+
+/// The delay of a viscosity on a machine without such an effect: where the field is late in its place, no delay is one, for with it nothing
+/// is late.
+pub(super) fn no_delay_of_viscosity(physics: &Physics) -> f64 {
+    let late = physics.field().is_some_and(|field| field.dead_time_s + field.rise_s + field.fall_s > 0.0);
+    if late { f64::NEG_INFINITY } else { 0.0 }
+}

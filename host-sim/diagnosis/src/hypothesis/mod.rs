@@ -1,6 +1,7 @@
 //! A hypothesis: effects with values on top of the nominal machine.
 
 mod along;
+mod differences;
 mod evaluate;
 mod noise_fit;
 mod orders;
@@ -57,6 +58,15 @@ impl Hypothesis {
         let mut entries = self.entries.clone();
         entries.remove(index);
         Self { entries }
+    }
+
+    /// A share of the way to another with the same entries.
+    pub(crate) fn towards(&self, other: &Self, share: f64) -> Self {
+        let mut between = self.clone();
+        for (own, other) in between.entries.iter_mut().zip(&other.entries) {
+            own.values.iter_mut().zip(&other.values).for_each(|(own, other)| *own += share * (other - *own));
+        }
+        between
     }
 
     /// Places of the free numbers: entry, index of its value.

@@ -7,6 +7,7 @@ use rayon::prelude::*;
 
 use super::Hypothesis;
 use super::along::{FINEST, FINEST_OF_ROUGH, searched};
+use super::differences::by_differences;
 use super::evaluate::{Evaluation, Kept, KeptRecording, evaluate, kept};
 use super::noise_fit::noise_of;
 use crate::likelihood::filter::HUBER;
@@ -105,7 +106,8 @@ pub fn refit(problem: &Problem, start: &Hypothesis, noise: &[Noise], rounds: usi
             break;
         }
         let before = best.log_likelihood;
-        best = stepped(problem, best, &mut damping)?;
+        let information;
+        (best, information) = stepped(problem, best, &mut damping)?;
         // At the end always: what was promised is of the noise's scale, and its parts may have moved against each other.
         let settled = best.log_likelihood - before < SETTLED;
         if settled || estimated.as_ref().is_none_or(|then| then.is_off(problem, &Estimated::on(&best))) {
@@ -117,6 +119,7 @@ pub fn refit(problem: &Problem, start: &Hypothesis, noise: &[Noise], rounds: usi
         if ends || round + 1 == rounds {
             let places = best.hypothesis.rough();
             best = searched(problem, best, &places, FINEST_OF_ROUGH);
+            best = by_differences(problem, best, information.as_ref());
         }
         if ends && !rises(&best) {
             break;
@@ -132,7 +135,7 @@ pub fn refit_under(problem: &Problem, start: &Hypothesis, noise: &[Noise], round
     for _ in 0..rounds {
         let before = best.log_likelihood;
         if !problem.is_spent() {
-            best = stepped(problem, best, &mut damping)?;
+            (best, _) = stepped(problem, best, &mut damping)?;
         }
         if best.log_likelihood - before < SETTLED {
             break;
@@ -142,18 +145,20 @@ pub fn refit_under(problem: &Problem, start: &Hypothesis, noise: &[Noise], round
 }
 
 /// Damping of the first step: next to none, for most starts are near.
-const FIRST_DAMPING: f64 = 1e-3;
+pub(super) const FIRST_DAMPING: f64 = 1e-3;
 
-/// One step of the values, those that no derivative tells with the others.
-fn stepped(problem: &Problem, from: Refitted, damping: &mut f64) -> Option<Refitted> {
+/// One step of the values, those that no derivative tells with the others, and the information of those that derivatives tell.
+fn stepped(problem: &Problem, from: Refitted, damping: &mut f64) -> Option<(Refitted, Option<DMatrix<f64>>)> {
     let many = from.hypothesis.told_by(problem);
     let path = kept(problem, &from.hypothesis.physics(&problem.nominal), &from.noise, many)?;
-    let best = match normal_equations(problem, &from.hypothesis, &path) {
-        Some((information, gradient)) => descended(problem, from, &information, &gradient, damping),
-        None => from,
+    let (best, information) = match normal_equations(problem, &from.hypothesis, &path) {
+        Some((information, gradient)) => {
+            (descended(problem, from, &information, &gradient, damping), Some(information))
+        }
+        None => (from, None),
     };
     let places = best.hypothesis.searched();
-    Some(searched(problem, best, &places, FINEST))
+    Some((searched(problem, best, &places, FINEST), information))
 }
 
 /// With the noise that goes with its values.
@@ -337,7 +342,7 @@ fn normal_equations(problem: &Problem, hypothesis: &Hypothesis, path: &Kept) -> 
 }
 
 /// The values one step on, and the log-likelihood that the linear model promises.
-fn moved_by(
+pub(super) fn moved_by(
     problem: &Problem,
     hypothesis: &Hypothesis,
     information: &DMatrix<f64>,
