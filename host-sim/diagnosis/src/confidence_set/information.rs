@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use super::intervals::{SMALLEST_SIZE, critical_value};
 use super::profile::Profile;
 use crate::hypothesis::{Hypothesis, Refitted, columns, kept, ranges};
-use crate::likelihood::{Colour, Noise};
+use crate::likelihood::Noise;
 use crate::problem::Problem;
 
 /// A hypothesis with what its blocks say.
@@ -130,16 +130,7 @@ const OTHER_NOISE: f64 = 0.5;
 impl Assessed {
     /// With what the values owe to the split of the noise between torque and sensor: the step they would take under another one.
     pub fn widened_by_noise(mut self, problem: &Problem) -> Option<Self> {
-        let other: Vec<Noise> = self
-            .refitted
-            .noise
-            .iter()
-            .map(|noise| Noise {
-                torque_density: OTHER_NOISE * noise.torque_density,
-                colour: noise.colour.map(|colour| Colour { sd: OTHER_NOISE.sqrt() * colour.sd, ..colour }),
-                ..*noise
-            })
-            .collect();
+        let other: Vec<Noise> = self.refitted.noise.iter().map(|noise| noise.with_torque_share(OTHER_NOISE)).collect();
         let of = |noise: &[Noise]| {
             let Linearised { scores, information, .. } = linearised(problem, &self.refitted.hypothesis, noise)?;
             let score: DVector<f64> = scores.iter().flatten().sum();

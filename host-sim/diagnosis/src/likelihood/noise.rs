@@ -53,6 +53,13 @@ impl Noise {
         }
     }
 
+    /// With a share of the variance of its torque noise, whether that has a memory or not.
+    #[must_use]
+    pub(crate) fn with_torque_share(&self, share: f64) -> Self {
+        let colour = self.colour.map(|colour| Colour { sd: share.sqrt() * colour.sd, ..colour });
+        Self { torque_density: share * self.torque_density, colour, ..*self }
+    }
+
     /// Spectral density of all torque noise at low frequencies, (N m)^2 s.
     pub(crate) fn slow_density(&self) -> f64 {
         self.torque_density + self.colour.map_or(0.0, |colour| 2.0 * colour.sd * colour.sd * colour.memory_s)

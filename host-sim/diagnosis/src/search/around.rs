@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use crate::effects::{Effect, VOCABULARY};
-use crate::hypothesis::{Entry, Hypothesis, Refitted, kept, refit, refit_under};
+use crate::hypothesis::{Entry, Hypothesis, Refitted, refit, refit_under};
 use crate::likelihood::Noise;
 use crate::problem::Problem;
 use crate::score::{Candidate, as_it_starts, score};
@@ -139,9 +139,7 @@ impl Around {
 
     /// Candidates, best first.
     fn scored(&self, problem: &Problem) -> Vec<Tried> {
-        let physics = self.at.hypothesis.physics(&problem.nominal);
-        let path = kept(problem, &physics, &self.at.noise, problem.fitted);
-        let scored = path.map(|path| score(problem, &self.at.hypothesis, &path, &self.vocabulary)).unwrap_or_default();
+        let scored = score(problem, &self.at, &self.vocabulary).unwrap_or_default();
         scored.into_iter().map(|candidate| Tried::new(candidate, false)).collect()
     }
 
