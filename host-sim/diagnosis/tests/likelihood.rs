@@ -249,6 +249,21 @@ fn friction_that_runs_in_is_more_than_friction() {
     assert_eq!(first.channel, "time_by_direction", "{:?}", left.predictors);
 }
 
+/// From starts with a bristle that is not bent, windows of the right machine were half as far off again as those without it.
+#[test]
+fn windows_along_a_motion_start_from_what_the_machine_remembers() {
+    let prompt = Model { torque_delay_s: 0.0, coulomb: 2.5, ..machine() };
+    let stiffness = 500.0;
+    let problem = problem(prompt.clone(), &Model { presliding_stiffness: Some(stiffness), ..prompt }, 0.02);
+    assert!(problem.band_hz().is_some());
+    let noise = first_noise(&problem);
+    let [without, with] =
+        [Hypothesis::default(), Hypothesis::default().with(find("presliding").unwrap(), vec![stiffness])]
+            .map(|hypothesis| WindowFit::new(&problem, &refit(&problem, &hypothesis, &noise, 0).unwrap()).unwrap());
+    let gain = with.gain_over(&without, &problem);
+    assert!(gain > 0.5, "{gain}");
+}
+
 /// Inverse dynamics under test functions of 0.1 s see nothing of it.
 #[test]
 fn what_rings_at_sixty_hertz_is_found_where_commands_are_held() {

@@ -88,10 +88,18 @@ impl Laws {
     }
 
     /// A state at that position and speed, with nothing remembered.
-    pub(super) fn state_at(position: f64, speed: f64) -> [f64; MOST_STATES] {
+    pub(super) fn state_at((position, speed): (f64, f64)) -> [f64; MOST_STATES] {
         let mut x = [0.0; MOST_STATES];
         (x[POSITION], x[SPEED]) = (position, speed);
         x
+    }
+
+    /// A state as it is remembered, of a rotor that is at another position and speed.
+    pub(super) fn carried(&self, x: &[f64; MOST_STATES], (position, speed): (f64, f64)) -> [f64; MOST_STATES] {
+        let mut inside = *x;
+        self.carry(&mut inside, x, position, speed);
+        (inside[POSITION], inside[SPEED]) = (position, speed);
+        inside
     }
 
     /// The state behind a substep, known for certain.

@@ -14,11 +14,11 @@ mod motion;
 use statrs::function::erf::erf;
 
 use super::acting::Acting;
-use super::filter::{Driven, Innovations, Prepared, loss};
+use super::filter::{Driven, Innovations, MOST_STATES, Prepared, loss};
 use super::grid::Grid;
 use super::noise::Noise;
 use crate::likelihood::along::Window;
-use crate::likelihood::belief::{Laws, Substep};
+use crate::likelihood::belief::{BASE, Laws, Substep};
 use crate::recorded::Recorded;
 
 use forces::{Interval, Memory};
@@ -157,6 +157,28 @@ impl Prepared {
         with(0.5 * (low + high))
     }
 
+    /// The state at each row: position and speed of the smoothed motion, and what that motion has left in a shaft, a bristle or a heat.
+    fn states_along(&self, motion: &Motion, driven: &Driven<'_>) -> Vec<[f64; MOST_STATES]> {
+        let Driven { recorded, grid, acting, .. } = driven;
+        let of_rotor = |row: usize| (self.rotor(motion.position[row]), motion.speed[row]);
+        let mut states: Vec<[f64; MOST_STATES]> =
+            (0..recorded.rows()).map(|row| Laws::state_at(of_rotor(row))).collect();
+        if self.laws.states == BASE {
+            return states;
+        }
+        for row in 0..recorded.rows().saturating_sub(1) {
+            if recorded.after_gap[row + 1] {
+                continue;
+            }
+            let mut x = states[row];
+            for index in grid.first[row] as usize..grid.first[row + 1] as usize {
+                x = self.laws.certain(&x, &Substep::of(acting, index, grid.dt_s[row]));
+            }
+            states[row + 1] = self.laws.carried(&x, of_rotor(row + 1));
+        }
+        states
+    }
+
     /// Windows of `horizon` rows, each simulated from the smoothed motion at its start.
     pub(crate) fn windows_along(
         &self,
@@ -168,12 +190,13 @@ impl Prepared {
         let Driven { recorded, grid, acting, .. } = driven;
         let mut windows = Vec::new();
         let inertia = self.laws.rotor_inertia();
+        let states = self.states_along(motion, &driven);
         let mut start = 0;
         while start + horizon < recorded.rows() {
             let end = start + horizon;
             let whole = (start..=end).all(|row| !recorded.skipped[row] && (row == start || !recorded.after_gap[row]));
             if whole {
-                let mut x = Laws::state_at(self.rotor(motion.position[start]), motion.speed[start]);
+                let mut x = states[start];
                 let mut window = Window { start, rows: horizon, squares: 0.0, expected: 0.0 };
                 for row in start..end {
                     for index in grid.first[row] as usize..grid.first[row + 1] as usize {
