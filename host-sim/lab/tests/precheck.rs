@@ -129,6 +129,29 @@ fn nothing_is_said_of_simulated_runs() {
     }
 }
 
+/// Two drawn machines, whose fluid or friction went against the acceleration, had been refused.
+#[test]
+fn a_sign_is_wrong_for_certain_where_nothing_speaks_against_it() {
+    let (machine, good) = (machine(), steps());
+    let mut flipped = good.clone();
+    flipped.effort_cmd.iter_mut().for_each(|u| *u = -*u);
+    flipped.name = "flipped.csv".into();
+    let severity = |machine: &Machine, fitted: &[Recording]| {
+        let findings = check(machine, fitted, &[], Purpose::Diagnose);
+        let turned = |found: &&Finding| matches!(found.problem, Problem::SignFlipped { .. });
+        findings.iter().find(turned).map(|found| found.severity)
+    };
+    assert_eq!(severity(&machine, std::slice::from_ref(&flipped)), Some(Severity::Error));
+    assert_eq!(
+        severity(&machine, &[good, flipped.clone()]),
+        Some(Severity::Warning),
+        "another recording has the right sign"
+    );
+    let mut heavy = machine;
+    heavy.plant.inertia *= 10.0;
+    assert_eq!(severity(&heavy, &[flipped]), Some(Severity::Warning), "what is turned is not the inertia");
+}
+
 /// The one finding after a change of a good recording.
 fn finding(machine: &Machine, change: impl Fn(&mut Recording)) -> Finding {
     let mut recording = steps();

@@ -15,7 +15,7 @@ use diagnosis::recorded::ACTS_S;
 
 use crate::Error;
 use crate::read::{AxisKind, Column, Machine, Recording, position_step};
-use inertia::{Estimate, estimate};
+use inertia::{Estimate, Inertia, estimate};
 use windows::median_period_s;
 
 /// What the data is wanted for.
@@ -78,7 +78,7 @@ impl Limits {
 pub fn check(machine: &Machine, fitted: &[Recording], holdout: &[Recording], purpose: Purpose) -> Vec<Finding> {
     let moves = fitted.iter().any(|recording| travel(recording) > still_within(machine, recording));
     let length_s: f64 = fitted.iter().map(length_s).sum();
-    let mut findings = Vec::new();
+    let (mut findings, mut right_way) = (Vec::new(), false);
     for (index, recording) in fitted.iter().chain(holdout).enumerate() {
         let mut add = |problem, severity| {
             findings.push(Finding { recording: recording.name.clone(), axis: recording.axis, problem, severity });
@@ -121,8 +121,12 @@ pub fn check(machine: &Machine, fitted: &[Recording], holdout: &[Recording], pur
             );
             continue;
         }
-        one(machine, recording, period_s, purpose, &mut add);
+        right_way |=
+            one(machine, recording, period_s, purpose, &mut add).is_some_and(|inertia| inertia.correlation > 0.0);
     }
+    // One log has one wiring: where a recording has the right sign, other torques turned that of another one.
+    let turned = findings.iter_mut().filter(|finding| matches!(finding.problem, Problem::SignFlipped { .. }));
+    turned.filter(|_| right_way).for_each(|finding| finding.severity = Severity::Warning);
     findings
 }
 
@@ -151,14 +155,14 @@ pub fn warnings(
     }
 }
 
-/// What is wrong with a recording that is long enough and moves.
+/// What is wrong with a recording that is long enough and moves; returns what it says of the inertia.
 fn one(
     machine: &Machine,
     recording: &Recording,
     period_s: f64,
     purpose: Purpose,
     add: &mut dyn FnMut(Problem, Severity),
-) {
+) -> Option<Inertia> {
     let (low, high) = range(&recording.effort_cmd);
     // Constant but for the rounding of a log.
     let constant = high - low <= 1e-9 * high.abs().max(low.abs());
@@ -173,6 +177,7 @@ fn one(
         let trusted = units.is_empty();
         balance(machine, &estimate, (purpose, trusted), add);
     }
+    estimate.inertia
 }
 
 /// What looks like a wrong unit.
@@ -213,14 +218,16 @@ fn balance(
 ) {
     let Some(inertia) = estimate.inertia else { return };
     let nominal = machine.plant.inertia;
+    let far_off = inertia.low > FAR_OFF * nominal || inertia.high < nominal / FAR_OFF;
     if inertia.correlation < 0.0 {
         if !trusted {
             return;
         }
-        let certain = inertia.correlation < SIGN_CERTAIN && purpose == Purpose::Diagnose;
+        // A column that is turned round shows the machine's own inertia; another one is of friction or a fluid that goes with the motion.
+        let certain = inertia.correlation < SIGN_CERTAIN && !far_off && purpose == Purpose::Diagnose;
         let severity = if certain { Severity::Error } else { Severity::Warning };
         add(Problem::SignFlipped { correlation: inertia.correlation }, severity);
-    } else if inertia.low > FAR_OFF * nominal || inertia.high < nominal / FAR_OFF {
+    } else if far_off {
         add(Problem::Inertia { low: inertia.low, high: inertia.high, nominal }, Severity::Warning);
     }
 }
