@@ -281,7 +281,7 @@ const FAMILIES: usize = 6;
 
 /// Families outside the vocabulary that the tool was tuned beside, and since when. They are never scored as unseen again: a family
 /// is added here as soon as one case of it has been looked into.
-pub const LEDGER: [(&str, &str); 32] = [
+pub const LEDGER: [(&str, &str); 38] = [
     ("friction over position", "friction_over_position, round 20000 of the fixed plan"),
     ("friction over load", "friction_by_load, round 20000 of the fixed plan"),
     ("friction over rest", "stiction_by_rest, round 20000 of the fixed plan"),
@@ -314,6 +314,12 @@ pub const LEDGER: [(&str, &str); 32] = [
     ("swings with the clock", "pulsing_seal, round 240000 of the drawn plan"),
     ("orders that slip", "creeping_belt, round 240000 of the drawn plan"),
     ("fluid over acceleration", "bound_fluid, round 240000 of the drawn plan"),
+    ("friction over angle and load", "eccentric_mesh, round 250000 of the drawn plan"),
+    ("waves in lines", "held_line, round 250000 of the drawn plan"),
+    ("pressure that leaks", "soft_damper, round 250000 of the drawn plan"),
+    ("torque over angle and current", "reluctance_torque, round 250000 of the drawn plan"),
+    ("converter that switches", "mains_firing, round 250000 of the drawn plan"),
+    ("field in bursts", "arcs, round 250000 of the drawn plan"),
 ];
 
 /// Families of a round: of those in the ledger below [`TUNING`], of the others from there on.
