@@ -23,7 +23,6 @@ use crate::recorded::Recorded;
 
 use forces::{Interval, Memory};
 
-pub(crate) use motion::HALF_S;
 pub use motion::Motion;
 
 /// The residual torques of a recording under one machine, one for each test function, N m (N).

@@ -8,7 +8,7 @@ use crate::recorded::Recorded;
 
 /// Half the support of a test function, s: force is judged flat up to about 7 Hz, above most disturbances that control leaves and
 /// below most flexibility and ripple (an identification by inverse dynamics filters to 5 to 10 times the control's bandwidth).
-pub(crate) const HALF_S: f64 = 0.05;
+const HALF_S: f64 = 0.05;
 /// ... but no fewer rows than this to either side.
 const FEWEST_ROWS: usize = 4;
 
