@@ -85,6 +85,13 @@ pub struct Range {
     pub scale: f64,
 }
 
+impl Range {
+    /// A step of that size from a value towards the side that is allowed.
+    pub(crate) fn allowed(&self, value: f64, step: f64) -> f64 {
+        if value + step > self.high { -step } else { step }
+    }
+}
+
 /// A free parameter between two bounds.
 pub(crate) const fn free(low: f64, high: f64, scale: f64) -> Parameter {
     Parameter { low, high, scale, free: true, searched: false, rough: false, size: Size::Unit }

@@ -38,20 +38,23 @@ pub(super) fn by_differences(problem: &Problem, mut best: Refitted, information:
     best
 }
 
-/// Slopes of the log-likelihood over the free values, each over half a standard deviation and less what its curvature makes of that.
+/// Slopes of the log-likelihood over the free values; 0 where none can be had or a value moves nothing.
 fn slopes(problem: &Problem, best: &Refitted, information: &DMatrix<f64>) -> DVector<f64> {
-    let slope = |(place, ((entry, index), range)): (usize, ((usize, usize), Range))| {
-        let curvature = information[(place, place)];
-        let step = 0.5 / curvature.sqrt();
-        let mut tried = best.hypothesis.clone();
-        let value = &mut tried.entries[entry].values[index];
-        let step = if *value + step > range.high { -step } else { step };
-        *value += step;
-        let found = (step.is_finite() && *value >= range.low).then(|| at(problem, tried, best.noise.clone()));
-        let rise = found.flatten().map_or(0.0, |found| found.log_likelihood - best.log_likelihood);
-        let slope = (rise + 0.5 * curvature * step * step) / step;
-        if rise != 0.0 && slope.is_finite() { slope } else { 0.0 }
-    };
     let places: Vec<_> = best.hypothesis.free().into_iter().zip(ranges(problem, &best.hypothesis)).collect();
-    DVector::from_vec(places.into_par_iter().enumerate().map(slope).collect())
+    let curvatures: Vec<f64> = information.diagonal().iter().copied().collect();
+    let slopes = places.into_par_iter().zip(curvatures);
+    DVector::from_vec(slopes.map(|(of, curvature)| slope(problem, best, of, curvature).unwrap_or(0.0)).collect())
+}
+
+/// Slope over half a standard deviation of a value, less what its curvature makes of that.
+fn slope(problem: &Problem, best: &Refitted, (place, range): ((usize, usize), Range), curvature: f64) -> Option<f64> {
+    let value = best.hypothesis.entries[place.0].values[place.1];
+    let step = range.allowed(value, 0.5 / curvature.sqrt());
+    if !step.is_finite() || value + step < range.low {
+        return None;
+    }
+    let moved = at(problem, best.hypothesis.moved(place, step), best.noise.clone())?;
+    let rise = moved.log_likelihood - best.log_likelihood;
+    let slope = (rise + 0.5 * curvature * step * step) / step;
+    (rise != 0.0 && slope.is_finite()).then_some(slope)
 }

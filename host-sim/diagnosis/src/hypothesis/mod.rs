@@ -60,6 +60,13 @@ impl Hypothesis {
         Self { entries }
     }
 
+    /// With one value moved by `by`.
+    pub(crate) fn moved(&self, (entry, index): (usize, usize), by: f64) -> Self {
+        let mut moved = self.clone();
+        moved.entries[entry].values[index] += by;
+        moved
+    }
+
     /// A share of the way to another with the same entries.
     pub(crate) fn towards(&self, other: &Self, share: f64) -> Self {
         let mut between = self.clone();

@@ -41,13 +41,19 @@ impl Refitted {
         found.evaluation.blocks.extend(held_out.blocks);
         found.evaluation.innovations.extend(held_out.innovations);
         let noise = noise_of(problem, &physics, &found.noise, 0.5, looked_at..all);
-        found.towards(problem, &physics, &noise, looked_at..all)?;
+        found.take_likelier_noise(problem, &physics, &noise, looked_at..all)?;
         Some(found)
     }
 
     /// Goes over to another noise of some recordings, for each as far as that makes it likelier: estimated on an excerpt, it must hold on the
     /// whole. None where a pass is not finite.
-    fn towards(&mut self, problem: &Problem, physics: &Physics, noise: &[Noise], which: Range<usize>) -> Option<()> {
+    fn take_likelier_noise(
+        &mut self,
+        problem: &Problem,
+        physics: &Physics,
+        noise: &[Noise],
+        which: Range<usize>,
+    ) -> Option<()> {
         let likelier = |index: usize| self.likelier(problem, physics, index, noise[index]);
         let found: Option<Vec<Option<(Noise, Evaluation)>>> = which.clone().into_par_iter().map(likelier).collect();
         for (index, found) in which.zip(found?) {
@@ -166,7 +172,7 @@ fn with_its_noise(problem: &Problem, mut found: Refitted) -> Option<Refitted> {
     let physics = found.hypothesis.physics(&problem.nominal);
     let told_by = 0..found.hypothesis.told_by(problem);
     let noise = noise_of(problem, &physics, &found.noise, 0.5, told_by.clone());
-    found.towards(problem, &physics, &noise, told_by)?;
+    found.take_likelier_noise(problem, &physics, &noise, told_by)?;
     Some(found)
 }
 
@@ -244,13 +250,6 @@ pub(super) fn at(problem: &Problem, hypothesis: Hypothesis, noise: Vec<Noise>) -
     Some(Refitted { hypothesis, noise, evaluation, log_likelihood })
 }
 
-/// The machine with one value moved by `by`.
-pub(crate) fn moved(nominal: &Physics, hypothesis: &Hypothesis, (entry, index): (usize, usize), by: f64) -> Physics {
-    let mut other = hypothesis.clone();
-    other.entries[entry].values[index] += by;
-    other.physics(nominal)
-}
-
 /// Scales of the free values, and bounds.
 pub(crate) fn ranges(problem: &Problem, hypothesis: &Hypothesis) -> Vec<crate::effects::Range> {
     let of = |&(entry, index): &(usize, usize)| {
@@ -260,7 +259,8 @@ pub(crate) fn ranges(problem: &Problem, hypothesis: &Hypothesis) -> Vec<crate::e
     hypothesis.free().iter().map(of).collect()
 }
 
-/// Derivatives of the whitened innovations by the free values, one column a value, each of one vector a recording.
+/// Derivatives of the whitened innovations by the free values, over a hundredth of a typical change: one column a value, each of one vector
+/// a recording.
 pub(crate) fn columns(problem: &Problem, hypothesis: &Hypothesis, path: &Kept) -> Vec<Option<Vec<Vec<f64>>>> {
     let places = hypothesis.free();
     let ranges = ranges(problem, hypothesis);
@@ -268,12 +268,10 @@ pub(crate) fn columns(problem: &Problem, hypothesis: &Hypothesis, path: &Kept) -
         .par_iter()
         .zip(ranges)
         .map(|(&place, range)| {
-            let value = hypothesis.entries[place.0].values[place.1];
-            // A hundredth of a typical change, towards the side that is allowed.
-            let step = 0.01 * range.scale;
-            let step = if value + step > range.high { -step } else { step };
+            let step = range.allowed(hypothesis.entries[place.0].values[place.1], 0.01 * range.scale);
             let column = |step: f64| {
-                let mut column = path.response(problem, &moved(&problem.nominal, hypothesis, place, step))?;
+                let other = hypothesis.moved(place, step).physics(&problem.nominal);
+                let mut column = path.response(problem, &other)?;
                 column.iter_mut().flatten().for_each(|value| *value /= step);
                 Some(column)
             };

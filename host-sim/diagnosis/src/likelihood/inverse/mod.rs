@@ -159,7 +159,7 @@ impl Prepared {
 
     /// The state at each row: position and speed of the smoothed motion, and what that motion has left in a shaft, a bristle or a heat.
     fn states_along(&self, motion: &Motion, driven: &Driven<'_>) -> Vec<[f64; MOST_STATES]> {
-        let Driven { recorded, grid, acting, .. } = driven;
+        let recorded = driven.recorded;
         let of_rotor = |row: usize| (self.rotor(motion.position[row]), motion.speed[row]);
         let mut states: Vec<[f64; MOST_STATES]> =
             (0..recorded.rows()).map(|row| Laws::state_at(of_rotor(row))).collect();
@@ -170,13 +170,18 @@ impl Prepared {
             if recorded.after_gap[row + 1] {
                 continue;
             }
-            let mut x = states[row];
-            for index in grid.first[row] as usize..grid.first[row + 1] as usize {
-                x = self.laws.certain(&x, &Substep::of(acting, index, grid.dt_s[row]));
-            }
-            states[row + 1] = self.laws.carried(&x, of_rotor(row + 1));
+            states[row + 1] = self.laws.carried(&self.behind_row(states[row], driven, row), of_rotor(row + 1));
         }
         states
+    }
+
+    /// The state behind the interval after a row.
+    fn behind_row(&self, mut x: [f64; MOST_STATES], driven: &Driven<'_>, row: usize) -> [f64; MOST_STATES] {
+        let Driven { grid, acting, .. } = driven;
+        for index in grid.first[row] as usize..grid.first[row + 1] as usize {
+            x = self.laws.certain(&x, &Substep::of(acting, index, grid.dt_s[row]));
+        }
+        x
     }
 
     /// Windows of `horizon` rows, each simulated from the smoothed motion at its start.
@@ -187,7 +192,7 @@ impl Prepared {
         noise: &Noise,
         horizon: usize,
     ) -> Vec<Window> {
-        let Driven { recorded, grid, acting, .. } = driven;
+        let recorded = driven.recorded;
         let mut windows = Vec::new();
         let inertia = self.laws.rotor_inertia();
         let states = self.states_along(motion, &driven);
@@ -199,9 +204,7 @@ impl Prepared {
                 let mut x = states[start];
                 let mut window = Window { start, rows: horizon, squares: 0.0, expected: 0.0 };
                 for row in start..end {
-                    for index in grid.first[row] as usize..grid.first[row + 1] as usize {
-                        x = self.laws.certain(&x, &Substep::of(acting, index, grid.dt_s[row]));
-                    }
+                    x = self.behind_row(x, &driven, row);
                     window.squares += (recorded.position[row + 1] - self.seen(x[0]).0).powi(2);
                     let t_s = recorded.t_s[row + 1] - recorded.t_s[start];
                     window.expected += noise.sensor_sd * noise.sensor_sd
