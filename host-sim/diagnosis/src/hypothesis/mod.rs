@@ -18,7 +18,7 @@ pub(crate) use noise_fit::over_excerpts;
 pub use noise_fit::{coloured_noise, noise_of};
 pub(crate) use orders::with_likelier_order;
 pub use refit::{Refitted, refit};
-pub(crate) use refit::{columns, ranges, refit_under};
+pub(crate) use refit::{columns, ranges, refit_linearised, refit_under};
 
 /// One effect with its values.
 #[derive(Debug, Clone, PartialEq)]

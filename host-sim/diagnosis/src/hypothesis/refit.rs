@@ -102,8 +102,29 @@ const HALVINGS_OF_NOISE: usize = 3;
 /// Log-likelihood below which a step has found nothing more: a hundredth of what any test asks for.
 pub(super) const SETTLED: f64 = 0.05;
 
-/// Fits the free values, and the noise with them, from where they are, in at most `rounds` steps.
+/// Fits the free values, and the noise with them, from where they are, in at most `rounds` steps, and to the top of the likelihood itself.
 pub fn refit(problem: &Problem, start: &Hypothesis, noise: &[Noise], rounds: usize) -> Option<Refitted> {
+    fitted(problem, start, noise, rounds, by_differences)
+}
+
+/// The same as far as the linearised pass leads, which ranks.
+pub(crate) fn refit_linearised(
+    problem: &Problem,
+    start: &Hypothesis,
+    noise: &[Noise],
+    rounds: usize,
+) -> Option<Refitted> {
+    fitted(problem, start, noise, rounds, |_, best, _| best)
+}
+
+/// With what is to be done `at_the_end`, under the information of the last step.
+fn fitted(
+    problem: &Problem,
+    start: &Hypothesis,
+    noise: &[Noise],
+    rounds: usize,
+    at_the_end: impl Fn(&Problem, Refitted, Option<&DMatrix<f64>>) -> Refitted,
+) -> Option<Refitted> {
     let mut best = at(problem, start.clone(), noise.to_vec())?;
     let mut damping = FIRST_DAMPING;
     let mut estimated: Option<Estimated> = None;
@@ -125,7 +146,7 @@ pub fn refit(problem: &Problem, start: &Hypothesis, noise: &[Noise], rounds: usi
         if ends || round + 1 == rounds {
             let places = best.hypothesis.rough();
             best = searched(problem, best, &places, FINEST_OF_ROUGH);
-            best = by_differences(problem, best, information.as_ref());
+            best = at_the_end(problem, best, information.as_ref());
         }
         if ends && !rises(&best) {
             break;

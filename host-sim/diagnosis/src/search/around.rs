@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use crate::effects::{Effect, VOCABULARY};
-use crate::hypothesis::{Entry, Hypothesis, Refitted, refit, refit_under};
+use crate::hypothesis::{Entry, Hypothesis, Refitted, refit, refit_linearised, refit_under};
 use crate::likelihood::Noise;
 use crate::problem::Problem;
 use crate::score::{Candidate, as_it_starts, score};
@@ -229,15 +229,16 @@ impl Around {
         let with = |values: &[f64]| self.at.hypothesis.with(candidate.entry.effect, values.to_vec());
         let refitted = |start: &Hypothesis| self.shortly(problem, start);
         let found = refitted(&with(&candidate.entry.values))?;
-        // A step that leads astray is taken again from where it began.
-        if found.log_likelihood > self.at.log_likelihood { Some(found) } else { refitted(&with(&candidate.from)) }
+        // A step that leads astray is taken again from where it began, if a column had led it from there.
+        let astray = found.log_likelihood <= self.at.log_likelihood && candidate.from != candidate.entry.values;
+        if astray { refitted(&with(&candidate.from)) } else { Some(found) }
     }
 
     /// As far as ranks a hypothesis. What adds a memory may let a torque noise move the rotor that held still without it, so that
     /// under the noise of the other it is the worse the more that had to stand in for.
     fn shortly(&self, problem: &Problem, start: &Hypothesis) -> Option<Refitted> {
         let remembers = start.entries.last().is_some_and(|entry| entry.effect.remembers);
-        let by = if remembers { refit } else { refit_under };
+        let by = if remembers { refit_linearised } else { refit_under };
         by(problem, start, &self.at.noise, FIRST_STEPS)
     }
 
