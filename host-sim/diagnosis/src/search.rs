@@ -7,7 +7,9 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use crate::confidence_set::{Assessed, Comparison, Step};
 use crate::effects::{Effect, NUISANCES};
-use crate::hypothesis::{Entry, Hypothesis, Refitted, coloured_noise, noise_of, refit, with_likelier_order};
+use crate::hypothesis::{
+    Entry, Hypothesis, Refitted, coloured_noise, comes_back, noise_of, refit, with_likelier_order,
+};
 use crate::likelihood::Noise;
 use crate::problem::Problem;
 
@@ -203,7 +205,7 @@ fn forward(problem: &Problem, vocabulary: &[&'static Effect], from: Step, around
         match taken {
             Some(((next, taken), odds)) => {
                 tried.push(Odds { taken, ..odds });
-                best = at_its_order(problem, next);
+                best = next;
                 moved = Some(Around::new(&best.assessed.refitted, vocabulary));
             }
             None if among.len() < vocabulary.len() => among = vocabulary,
@@ -214,12 +216,18 @@ fn forward(problem: &Problem, vocabulary: &[&'static Effect], from: Step, around
             }
         }
     }
-    Forward { best, tried, rejected }
+    Forward { best: at_its_orders(problem, best), tried, rejected }
 }
 
-/// With the order of its last entry, if it has one, where the likelihood has its top.
-fn at_its_order(problem: &Problem, step: Step) -> Step {
-    let likelier = with_likelier_order(problem, &step.assessed.refitted);
+/// With the orders of its entries where the likelihood has its top, now that it has them all: an order had stood in for some of what came later.
+fn at_its_orders(problem: &Problem, step: Step) -> Step {
+    let Some(earlier) = step.assessed.refitted.hypothesis.entries.len().checked_sub(1) else { return step };
+    let mut likelier: Option<Refitted> = None;
+    for entry in 0..earlier {
+        let from = likelier.as_ref().unwrap_or(&step.assessed.refitted);
+        let found = with_likelier_order(problem, from, entry);
+        likelier = found.filter(|found| comes_back(problem, &found.hypothesis.entries[entry])).or(likelier);
+    }
     likelier.and_then(|found| Step::new(problem, found)).unwrap_or(step)
 }
 
@@ -253,8 +261,14 @@ fn worth(problem: &Problem, from: &Step, to: &Refitted, odds: Odds) -> Option<(S
     if rise.is_nan() || rise <= problem.price() {
         return None;
     }
-    let next = Step::new(problem, to.clone())?;
+    // Beside its order the blocks tell it differently, and so its spread.
     let entry = to.hypothesis.entries.len().checked_sub(1)?;
+    let to = with_likelier_order(problem, to, entry).unwrap_or_else(|| to.clone());
+    if !comes_back(problem, &to.hypothesis.entries[entry]) {
+        return None;
+    }
+    let rise = to.log_likelihood - from.assessed.refitted.log_likelihood;
+    let next = Step::new(problem, to)?;
     let p = p_value(&next.assessed, entry, rise, odds);
     let gain = gain(problem, &next, from, entry);
     let crossed = next.assessed.total() > from.assessed.total();

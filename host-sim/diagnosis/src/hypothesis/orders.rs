@@ -2,26 +2,35 @@
 
 use std::f64::consts::TAU;
 
+use super::Entry;
 use super::refit::{Refitted, SETTLED, refit};
 use crate::problem::Problem;
 
 /// Steps of a neighbour's refit: its amplitudes are linear, and the other values near.
 const STEPS: usize = 3;
-/// On a linear axis, which has no whole orders, steps from order to order halve this often: then a phase is off by a sixteenth of
-/// a turn at the ends of the travel.
+/// On a linear axis, which has no whole orders, steps from order to order halve this often, until the likelihood over them is a parabola:
+/// then a phase is off by a sixteenth of a turn at the ends of the travel.
 const HALVINGS: i32 = 3;
+/// Share of its finest step that the top of a first parabola is off by at most, where a second one is laid.
+const NEARER: f64 = 0.25;
 
-/// With another order of its last entry, where the likelihood has its top; none where it is there, or the entry has no order. A travel
+/// With another order of one of its entries, where the likelihood has its top; none where it is there, or the entry has no order. A travel
 /// of less than a revolution tells an order from the next only by little, and friction shifts the peak of the missing torque's
 /// spectrum, which it came from.
-pub(crate) fn with_likelier_order(problem: &Problem, from: &Refitted) -> Option<Refitted> {
-    from.hypothesis.entries.last().filter(|entry| entry.effect.ordered)?;
-    let mut best = None;
-    for step in steps(problem) {
+pub(crate) fn with_likelier_order(problem: &Problem, from: &Refitted, entry: usize) -> Option<Refitted> {
+    from.hypothesis.entries.get(entry).filter(|entry| entry.effect.ordered)?;
+    let steps = steps(problem);
+    let mut best: Option<Refitted> = None;
+    for &step in &steps {
         for step in [step, -step] {
-            while let Some(found) = likelier(problem, best.as_ref().unwrap_or(from), step) {
+            while let Some(found) = likelier(problem, best.as_ref().unwrap_or(from), entry, step) {
                 best = Some(found);
             }
+        }
+    }
+    if let Some(finest) = steps.last().filter(|_| problem.excitation.linear) {
+        for step in [*finest, NEARER * finest] {
+            best = between(problem, best.as_ref().unwrap_or(from), entry, step).or(best);
         }
     }
     best
@@ -37,14 +46,32 @@ fn steps(problem: &Problem) -> Vec<f64> {
     }
 }
 
-/// Refitted at another order of the last entry; none where that is not likelier, would be no order, or where no work is left.
-fn likelier(problem: &Problem, from: &Refitted, step: f64) -> Option<Refitted> {
+/// Whether an entry, if it has an order, has one that comes back: twice in a revolution, for once is a load like gravity, and on a linear axis
+/// once in the travel, for less is any slope that is missing.
+pub(crate) fn comes_back(problem: &Problem, entry: &Entry) -> bool {
+    let lowest = if problem.excitation.linear { TAU / problem.excitation.travel } else { 2.0 };
+    !entry.effect.ordered || entry.values[0] >= lowest
+}
+
+/// At the top of the parabola through an order and its neighbours on either side, which are less likely; none where that is not likelier.
+fn between(problem: &Problem, from: &Refitted, entry: usize, step: f64) -> Option<Refitted> {
+    let side = |step: f64| Some(from.log_likelihood - at_order(problem, from, entry, step)?.log_likelihood);
+    let (below, above) = (side(-step)?, side(step)?);
+    let top = 0.5 * step * (below - above) / (below + above);
+    if top.is_finite() { likelier(problem, from, entry, top) } else { None }
+}
+
+/// Refitted at another order of an entry; none where that is not likelier, would be no order, or where no work is left.
+fn likelier(problem: &Problem, from: &Refitted, entry: usize, step: f64) -> Option<Refitted> {
+    at_order(problem, from, entry, step).filter(|found| found.log_likelihood - from.log_likelihood >= SETTLED)
+}
+
+fn at_order(problem: &Problem, from: &Refitted, entry: usize, step: f64) -> Option<Refitted> {
     let mut tried = from.hypothesis.clone();
-    let order = &mut tried.entries.last_mut()?.values[0];
+    let order = &mut tried.entries[entry].values[0];
     *order += step;
     if *order <= 0.0 || problem.is_spent() {
         return None;
     }
-    let found = refit(problem, &tried, &from.noise, STEPS)?;
-    (found.log_likelihood - from.log_likelihood >= SETTLED).then_some(found)
+    refit(problem, &tried, &from.noise, STEPS)
 }

@@ -1,5 +1,6 @@
 //! Every candidate at once: columns of one regression with the whitened residual on the left.
 
+mod orders;
 mod seek;
 
 use nalgebra::{DMatrix, DVector};

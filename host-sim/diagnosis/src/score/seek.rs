@@ -1,7 +1,5 @@
 //! Where the missing torque has structure: orders over position, tones and pushes over time, read off the adjoint.
 
-use std::f64::consts::TAU;
-
 use plant::effects::Pulse;
 use rustfft::FftPlanner;
 use rustfft::num_complex::Complex;
@@ -14,10 +12,8 @@ use crate::likelihood::inverse::Motion;
 use crate::physics::Tone;
 use crate::problem::Problem;
 
-/// How many of each are tried.
-const MOST: usize = 4;
-/// Highest order over a revolution that is looked at.
-const HIGHEST_ORDER: usize = 128;
+use super::orders::{HIGHEST_ORDER, MOST, Missing, orders, peaks};
+
 /// Lengths of pushes that are looked for, s.
 const PUSHES_S: [f64; 7] = [0.01, 0.02, 0.04, 0.08, 0.16, 0.32, 0.64];
 
@@ -96,16 +92,6 @@ fn glitch(path: &Kept) -> Option<(f64, f64)> {
     (sizes.len() >= FEWEST_GLITCHES).then(|| (share, *sizes.select_nth_unstable_by(middle, f64::total_cmp).1))
 }
 
-struct Missing<'a> {
-    torque: Vec<f64>,
-    /// The drive's, N m (N).
-    drive: Vec<f64>,
-    /// How much less likely than expected a row is, and its whitened innovation; none where the motion is given.
-    misfit: Vec<(f64, f64)>,
-    position: &'a [f64],
-    t_s: &'a [f64],
-}
-
 /// One value a row from one a substep.
 fn mean_over_rows(values: &[f64], grid: &Grid) -> Vec<f64> {
     let row = |pair: &[u32]| {
@@ -113,58 +99,6 @@ fn mean_over_rows(values: &[f64], grid: &Grid) -> Vec<f64> {
         of.iter().sum::<f64>() / of.len().max(1) as f64
     };
     grid.first.windows(2).map(row).collect()
-}
-
-/// Orders at which the missing torque, with a weight of its row, stands out of its neighbours, best first.
-fn orders(missing: &[Missing<'_>], excitation: &Excitation, weight: impl Fn(&Missing<'_>, usize) -> f64) -> Vec<f64> {
-    if excitation.travel <= 0.0 {
-        return Vec::new();
-    }
-    // Whole orders of a revolution; on a linear axis what the travel can tell apart.
-    let apart = if excitation.linear { TAU / excitation.travel } else { 1.0 };
-    let mut phasors = vec![(0.0, 0.0); HIGHEST_ORDER + 1];
-    for one in missing {
-        for (row, (torque, position)) in one.torque.iter().zip(one.position).enumerate() {
-            let torque = torque * weight(one, row);
-            // Each order is the one before turned on by the first.
-            let (s1, c1) = (apart * position).sin_cos();
-            let (mut s, mut c) = (0.0, torque);
-            for (sine, cosine) in &mut phasors {
-                (*sine, *cosine) = (*sine + s, *cosine + c);
-                (s, c) = (s * c1 + c * s1, c * c1 - s * s1);
-            }
-        }
-    }
-    let list: Vec<f64> = (2..=HIGHEST_ORDER).map(|order| order as f64 * apart).collect();
-    let power: Vec<f64> = phasors[2..].iter().map(|(sine, cosine)| sine * sine + cosine * cosine).collect();
-    // Where the travel hardly tells one order from the next, the likelihood chooses among neighbours.
-    let mut found: Vec<usize> = Vec::new();
-    for peak in peaks(&power, MOST) {
-        for index in [Some(peak), peak.checked_sub(1), Some(peak + 1)].into_iter().flatten() {
-            if index < list.len() && !found.contains(&index) {
-                found.push(index);
-            }
-        }
-    }
-    found.into_iter().map(|index| list[index]).collect()
-}
-
-/// Places of the largest local maxima over the median of their neighbourhood, best first.
-fn peaks(power: &[f64], most: usize) -> Vec<usize> {
-    const NEIGHBOURS: usize = 12;
-    let mut found: Vec<(f64, usize)> = (0..power.len())
-        .filter(|&i| power[i] > 0.0)
-        .filter(|&i| (i == 0 || power[i] >= power[i - 1]) && (i + 1 == power.len() || power[i] >= power[i + 1]))
-        .map(|i| {
-            let mut near: Vec<f64> =
-                power[i.saturating_sub(NEIGHBOURS)..(i + NEIGHBOURS + 1).min(power.len())].to_vec();
-            let middle = near.len() / 2;
-            let median = *near.select_nth_unstable_by(middle, f64::total_cmp).1;
-            (power[i] / median.max(f64::MIN_POSITIVE), i)
-        })
-        .collect();
-    found.sort_by(|a, b| b.0.total_cmp(&a.0));
-    found.into_iter().take(most).map(|(_, index)| index).collect()
 }
 
 /// Tones of the missing torque over time, best first, without amplitudes, within the band that is judged.
@@ -195,7 +129,7 @@ fn tones(missing: &[Missing<'_>], recordings: usize, band_hz: Option<f64>) -> Ve
         frequency_hz: (from + index) as f64 / (length as f64 * dt_s),
         phasors: vec![(0.0, 0.0); recordings],
     };
-    peaks(&power[from..], MOST).into_iter().map(tone).collect()
+    peaks(&power[from..], 1).into_iter().map(tone).collect()
 }
 
 /// Stretches whose missing torque sums to most, for their length, and those that are least likely, best first. A torque that the rotor at
