@@ -79,6 +79,9 @@ pub struct Outcome {
     pub listed: bool,
     /// `named`, and its first effect is not there.
     pub confidently_wrong: bool,
+    /// That, under a name that no motion tells from one of the concealed set.
+    #[serde(default)]
+    pub wrong_indistinct: bool,
     /// `named`, and any of its effects is not there.
     #[serde(default)]
     pub stray: bool,
@@ -255,6 +258,8 @@ impl Outcome {
             first_indistinct: nameable && own.first().is_some_and(|effect| is_concealed_or_indistinct(&truth, effect)),
             listed: nameable && truth.effects.iter().all(hinted),
             confidently_wrong: confidently_wrong(&truth, answer),
+            wrong_indistinct: confidently_wrong(&truth, answer)
+                && answer.effects.first().is_some_and(|first| is_concealed_or_indistinct(&truth, first)),
             stray: strays(&truth, answer),
             partial_wrong: partly_wrong(&truth, answer),
             wrongly_named: names_wrongly(&truth, answer),

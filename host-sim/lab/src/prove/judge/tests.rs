@@ -79,6 +79,14 @@ fn outside_the_library_any_plain_name_is_wrong_and_unknown_is_right() {
 }
 
 #[test]
+fn a_twin_of_the_name_taken_out_is_wrong_and_counted_apart() {
+    let removed = |named: &str| judged(Arm::Removed, "torque_offset", &[], &answer("named", named, ""));
+    let (twin, other) = (removed("friction_asymmetry"), removed("gravity_load"));
+    assert_eq!([twin.confidently_wrong, other.confidently_wrong], [true; 2]);
+    assert_eq!([twin.wrong_indistinct, other.wrong_indistinct], [true, false]);
+}
+
+#[test]
 fn a_push_is_located_by_the_share_that_both_spans_cover() {
     let push = |start_s| {
         let values = [("start_s", start_s), ("duration_s", 0.1)];

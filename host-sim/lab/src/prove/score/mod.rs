@@ -239,6 +239,10 @@ fn pass(outcomes: &[Outcome], power: &[Curve], reliability: &Reliability, over_o
         ),
         at_least("exact pairs", Count::over(of(&[Arm::Pair]).iter().filter(|o| asked(&o.truth)), |o| o.exact), 0.90),
         wrong("confidently wrong with the name taken out of the library", Arm::Removed),
+        Pass::beside(
+            "of that under a name that no motion tells from the one taken out",
+            Count::over(of(&[Arm::Removed]), |outcome| outcome.wrong_indistinct),
+        ),
         wrong("confidently wrong with an effect that was never in it", Arm::Outside),
         Pass::share("95 % intervals that hold the truth", "0.93 to 0.97".to_owned(), reliability.all, |share| {
             (0.93..=0.97).contains(&share)
