@@ -67,6 +67,7 @@ impl Run<'_> {
         let mut field_kv_mm = 0.0;
         let mut rows = Vec::with_capacity(reference.len());
         for &reference in reference {
+            sensor.feel(rotor.drive_nm());
             let position = Counts::from_rad(sensor.sample(rotor.position_rad(), &mut random));
             let inputs = Inputs {
                 resolver: ResolverSample {

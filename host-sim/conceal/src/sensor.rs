@@ -39,6 +39,13 @@ impl<'a> Measured<'a> {
         }
     }
 
+    /// Feels the torque that the drive had at the last step.
+    pub(crate) fn feel(&mut self, drive_nm: f64) {
+        if let Some(hidden) = &mut self.hidden {
+            hidden.feels(drive_nm);
+        }
+    }
+
     /// Reading at the end of a step, rad, not yet in steps of the sensor.
     pub(crate) fn sample(&mut self, position_rad: f64, random: &mut StdRng) -> f64 {
         // The ring last saw the start of the step that ends now: one step late, which a copy makes up for.

@@ -89,7 +89,12 @@ impl<'a> Motion<'a> {
         let mut sensor = Measured::new(&quiet, STEP_S);
         let mut random = StdRng::seed_from_u64(0);
         let seen = |row: usize| self.earlier(row, latency_s);
-        (0..self.rows.len()).map(|row| sensor.sample(seen(row), &mut random) - self.rows[row].position).collect()
+        let reads = |row: usize| {
+            // A row has the torque from there on.
+            sensor.feel(if row > 0 { self.rows[row - 1].drive } else { 0.0 });
+            sensor.sample(seen(row), &mut random) - self.rows[row].position
+        };
+        (0..self.rows.len()).map(reads).collect()
     }
 
     /// Position some time before a row, by Hermite's cubic between the rows.

@@ -83,6 +83,7 @@ impl Loop<'_> {
             if rotor.position_rad().is_nan() || rotor.position_rad().abs() >= farthest {
                 return Err(Error::Tripped { t_s, faults: "the motion is lost".to_owned() });
             }
+            sensor.feel(rotor.drive_nm());
             let angle = sensor.sample(rotor.position_rad(), &mut random);
             let shown = (angle / setting.step).round() * setting.step;
             let said = running.step(setting, [t_s, wanted, shown, field, rotor.speed_rad_s()])?;

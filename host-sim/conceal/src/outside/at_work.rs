@@ -41,6 +41,7 @@ fn moved(physics: &Physics, steps: usize, times: f64) -> Vec<f64> {
     let row = |row: usize| {
         (0..steps).for_each(|_| rotor.step(&command(row, times)));
         let position = rotor.position_rad();
+        sensor.feel(rotor.drive_nm());
         [position, sensor.sample(position, &mut random)]
     };
     (0..ROWS).flat_map(row).collect()

@@ -92,6 +92,8 @@ pub(crate) trait Hidden {
     fn inertia(&self, _: &Seen) -> f64 {
         1.0
     }
+    /// Tells a sensor the torque of the drive, before its reading.
+    fn feels(&mut self, _: f64) {}
     /// Position as the sensor has it.
     fn measured(&mut self, position: f64) -> f64 {
         position

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use super::super::{Hidden, Seen};
 
 /// A response of second order by the implicit midpoint rule: stable however fast it is, and none at a time of 0.
-struct Swing {
+pub(in crate::outside) struct Swing {
     /// One over the angular frequency, s.
     time_s: f64,
     damping_ratio: f64,
@@ -14,12 +14,12 @@ struct Swing {
 }
 
 impl Swing {
-    fn new(time_s: f64, damping_ratio: f64) -> Self {
+    pub(in crate::outside) fn new(time_s: f64, damping_ratio: f64) -> Self {
         Self { time_s, damping_ratio, at: 0.0, rate: 0.0 }
     }
 
     /// Value and rate in the middle of a step under an input.
-    fn pass(&mut self, input: f64, step_s: f64) -> [f64; 2] {
+    pub(in crate::outside) fn pass(&mut self, input: f64, step_s: f64) -> [f64; 2] {
         let squared = self.time_s * self.time_s;
         let whole = squared + self.damping_ratio * self.time_s * step_s + 0.25 * step_s * step_s;
         let rate = (squared * self.rate + 0.5 * step_s * (input - self.at)) / whole;
