@@ -3,14 +3,15 @@
 use std::f64::consts::TAU;
 
 use super::{
-    Hidden, Kind, Needs, Put, Scales, Shape, drive, fluid, friction, further, later, mechanics, sensor, spring, unseen,
+    Hidden, Kind, Needs, Put, Scales, Shape, beyond, drive, fluid, friction, further, later, mechanics, sensor, spring,
+    unseen,
 };
 use crate::catalogue;
 use crate::physics::{Physics, Wave};
 
 /// Every kind.
 pub fn kinds() -> impl Iterator<Item = &'static Kind> {
-    KINDS.iter().chain(later::KINDS).chain(unseen::KINDS).chain(further::KINDS)
+    KINDS.iter().chain(later::KINDS).chain(unseen::KINDS).chain(further::KINDS).chain(beyond::KINDS)
 }
 
 /// The kind called `id`.

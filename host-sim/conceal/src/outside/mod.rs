@@ -5,6 +5,7 @@
 
 #[cfg(test)]
 mod at_work;
+mod beyond;
 mod drive;
 mod fluid;
 mod friction;

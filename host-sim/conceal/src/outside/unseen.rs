@@ -8,6 +8,8 @@ mod sensor;
 
 use std::f64::consts::TAU;
 
+pub(super) use drive::Swing;
+
 use super::kinds::{beside, of_drive, of_fluid, order, phase, power};
 use super::later::passing_s;
 use super::{Kind, Scales, Shape};
