@@ -12,7 +12,8 @@ pub static EFFECT: Effect = Effect {
     report: amplitude_order_phase,
     fitted: order_sine_cosine,
     columns: Columns::Each,
-    ordered: true,
+    // Once in a revolution is gravity.
+    lowest_order: Some(2.0),
     repeats: true,
     looked_at: |e| e.looked_at[0],
     measured_by: Some(HOLDING),

@@ -209,8 +209,8 @@ pub struct Effect {
     pub leading: &'static [usize],
     /// How its columns are made.
     pub columns: Columns,
-    /// Its first value is an order over position.
-    pub ordered: bool,
+    /// The lowest order over a revolution that its first value may have; none where that is no order.
+    pub lowest_order: Option<f64>,
     /// It may stand in a hypothesis more than once.
     pub repeats: bool,
     /// Recording, start and end, s, of what happens once: nothing elsewhere can predict it. None for what holds always.
@@ -250,7 +250,7 @@ pub(crate) const PLAIN: Effect = Effect {
     neutral: |_| 0.0,
     leading: &[0],
     columns: Columns::Whole,
-    ordered: false,
+    lowest_order: None,
     repeats: false,
     span: |_| None,
     once: false,

@@ -15,7 +15,7 @@ pub static EFFECT: Effect = Effect {
     report: amplitude_order_phase,
     fitted: order_sine_cosine,
     columns: Columns::Each,
-    ordered: true,
+    lowest_order: Some(1.0),
     repeats: true,
     looked_at: |e| e.looked_at[0],
     ..PLAIN

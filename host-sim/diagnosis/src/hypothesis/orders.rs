@@ -18,7 +18,7 @@ const NEARER: f64 = 0.25;
 /// of less than a revolution tells an order from the next only by little, and friction shifts the peak of the missing torque's
 /// spectrum, which it came from.
 pub(crate) fn with_likelier_order(problem: &Problem, from: &Refitted, entry: usize) -> Option<Refitted> {
-    from.hypothesis.entries.get(entry).filter(|entry| entry.effect.ordered)?;
+    from.hypothesis.entries.get(entry).filter(|entry| entry.effect.lowest_order.is_some())?;
     let steps = steps(problem);
     let mut best: Option<Refitted> = None;
     for &step in &steps {
@@ -46,11 +46,12 @@ fn steps(problem: &Problem) -> Vec<f64> {
     }
 }
 
-/// Whether an entry, if it has an order, has one that comes back: twice in a revolution, for once is a load like gravity, and on a linear axis
-/// once in the travel, for less is any slope that is missing.
+/// Whether an entry, if it has an order, has one that comes back: as often in a revolution as its effect asks for, and on a linear axis once
+/// in the travel, for less is any slope that is missing.
 pub(crate) fn comes_back(problem: &Problem, entry: &Entry) -> bool {
-    let lowest = if problem.excitation.linear { TAU / problem.excitation.travel } else { 2.0 };
-    !entry.effect.ordered || entry.values[0] >= lowest
+    let of_travel = TAU / problem.excitation.travel;
+    let lowest = |of_revolution| if problem.excitation.linear { of_travel } else { of_revolution };
+    entry.effect.lowest_order.map(lowest).is_none_or(|lowest| entry.values[0] >= lowest)
 }
 
 /// At the top of the parabola through an order and its neighbours on either side, which are less likely; none where that is not likelier.

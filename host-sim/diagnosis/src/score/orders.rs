@@ -6,7 +6,7 @@ use crate::effects::Excitation;
 
 /// How many of what stands out are tried.
 pub(super) const MOST: usize = 4;
-/// Lowest order that is looked at: once in a revolution is a load like gravity, and once in a travel hardly told from a slope.
+/// Lowest order that is looked at: what comes back once in a revolution or a travel is hardly told from a slope.
 const LOWEST_ORDER: usize = 2;
 /// Highest order over a revolution that is looked at.
 pub(super) const HIGHEST_ORDER: usize = 128;
