@@ -11,7 +11,9 @@ const STEPS: usize = 3;
 /// On a linear axis, which has no whole orders, steps from order to order halve this often, until the likelihood over them is a parabola:
 /// then a phase is off by a sixteenth of a turn at the ends of the travel.
 const HALVINGS: i32 = 3;
-/// Share of its finest step that the top of a first parabola is off by at most, where a second one is laid.
+/// Parabolas that are laid over the likelihood, each over this share of the one before: Huber's loss flattens its sides, and a torque of eighty
+/// times the noise takes three of them.
+const PARABOLAS: i32 = 3;
 const NEARER: f64 = 0.25;
 
 /// With another order of one of its entries, where the likelihood has its top; none where it is there, or the entry has no order. A travel
@@ -29,7 +31,7 @@ pub(crate) fn with_likelier_order(problem: &Problem, from: &Refitted, entry: usi
         }
     }
     if let Some(finest) = steps.last().filter(|_| problem.excitation.linear) {
-        for step in [*finest, NEARER * finest] {
+        for step in (0..PARABOLAS).map(|before| NEARER.powi(before) * finest) {
             best = between(problem, best.as_ref().unwrap_or(from), entry, step).or(best);
         }
     }
