@@ -123,7 +123,7 @@ fn fitted(
     start: &Hypothesis,
     noise: &[Noise],
     rounds: usize,
-    at_the_end: impl Fn(&Problem, Refitted, Option<&DMatrix<f64>>) -> Refitted,
+    at_the_end: fn(&Problem, Refitted, Option<&DMatrix<f64>>) -> Refitted,
 ) -> Option<Refitted> {
     let mut best = at(problem, start.clone(), noise.to_vec())?;
     let mut damping = FIRST_DAMPING;
