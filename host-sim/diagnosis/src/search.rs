@@ -221,7 +221,7 @@ fn forward(problem: &Problem, vocabulary: &[&'static Effect], from: Step, around
 
 /// With the orders of its entries where the likelihood has its top, now that it has them all: an order had stood in for some of what came later.
 fn at_its_orders(problem: &Problem, step: Step) -> Step {
-    let Some(earlier) = step.assessed.refitted.hypothesis.entries.len().checked_sub(1) else { return step };
+    let earlier = step.assessed.refitted.hypothesis.entries.len().saturating_sub(1);
     let mut likelier: Option<Refitted> = None;
     for entry in 0..earlier {
         let from = likelier.as_ref().unwrap_or(&step.assessed.refitted);
@@ -257,8 +257,8 @@ fn is_part_of_it(effect: &Effect, gain: f64) -> bool {
 
 /// The step to a hypothesis with one entry more, if it is worth it.
 fn worth(problem: &Problem, from: &Step, to: &Refitted, odds: Odds) -> Option<(Step, (f64, f64))> {
-    let rise = to.log_likelihood - from.assessed.refitted.log_likelihood;
-    if rise.is_nan() || rise <= problem.price() {
+    let rise = |to: &Refitted| to.log_likelihood - from.assessed.refitted.log_likelihood;
+    if rise(to).is_nan() || rise(to) <= problem.price() {
         return None;
     }
     // Beside its order the blocks tell it differently, and so its spread.
@@ -267,7 +267,7 @@ fn worth(problem: &Problem, from: &Step, to: &Refitted, odds: Odds) -> Option<(S
     if !comes_back(problem, &to.hypothesis.entries[entry]) {
         return None;
     }
-    let rise = to.log_likelihood - from.assessed.refitted.log_likelihood;
+    let rise = rise(&to);
     let next = Step::new(problem, to)?;
     let p = p_value(&next.assessed, entry, rise, odds);
     let gain = gain(problem, &next, from, entry);

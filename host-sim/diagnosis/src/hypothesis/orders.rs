@@ -1,7 +1,5 @@
 //! An order over position, which no derivative tells: its neighbours are refitted while they are likelier.
 
-use std::f64::consts::TAU;
-
 use super::Entry;
 use super::refit::{Refitted, SETTLED, refit};
 use crate::problem::Problem;
@@ -40,10 +38,10 @@ pub(crate) fn with_likelier_order(problem: &Problem, from: &Refitted, entry: usi
 
 /// Steps of an order, coarse ones first: to the next whole one of a revolution, or by parts of what the travel tells apart.
 fn steps(problem: &Problem) -> Vec<f64> {
-    let travel = problem.excitation.travel;
+    let apart = problem.excitation.orders_apart();
     match problem.excitation.linear {
-        false => vec![1.0],
-        true if travel > 0.0 => (1..=HALVINGS).map(|halvings| TAU / travel * f64::exp2(f64::from(-halvings))).collect(),
+        false => vec![apart],
+        true if apart.is_finite() => (1..=HALVINGS).map(|halvings| apart * f64::exp2(f64::from(-halvings))).collect(),
         true => Vec::new(),
     }
 }
@@ -51,8 +49,8 @@ fn steps(problem: &Problem) -> Vec<f64> {
 /// Whether an entry, if it has an order, has one that comes back: as often in a revolution as its effect asks for, and on a linear axis once
 /// in the travel, for less is any slope that is missing.
 pub(crate) fn comes_back(problem: &Problem, entry: &Entry) -> bool {
-    let of_travel = TAU / problem.excitation.travel;
-    let lowest = |of_revolution| if problem.excitation.linear { of_travel } else { of_revolution };
+    let Problem { excitation, .. } = problem;
+    let lowest = |of_revolution| if excitation.linear { excitation.orders_apart() } else { of_revolution };
     entry.effect.lowest_order.map(lowest).is_none_or(|lowest| entry.values[0] >= lowest)
 }
 

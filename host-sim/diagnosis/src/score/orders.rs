@@ -1,7 +1,5 @@
 //! Orders over position at which the missing torque stands out.
 
-use std::f64::consts::TAU;
-
 use crate::effects::Excitation;
 
 /// How many of what stands out are tried.
@@ -12,47 +10,25 @@ const LOWEST_ORDER: usize = 2;
 pub(super) const HIGHEST_ORDER: usize = 128;
 /// Neighbours on either side that a peak of a spectrum is measured by.
 const NEIGHBOURS: usize = 12;
-/// What a pass says is missing in one recording, one value a row.
-pub(super) struct Missing<'a> {
-    /// Torque, of no certain scale.
-    pub(super) torque: Vec<f64>,
-    /// The drive's, N m (N).
-    pub(super) drive: Vec<f64>,
-    /// How much less likely than expected a row is, and its whitened innovation; none where the motion is given.
-    pub(super) misfit: Vec<(f64, f64)>,
-    /// rad (m).
-    pub(super) position: &'a [f64],
-    /// s.
-    pub(super) t_s: &'a [f64],
-}
-
 /// Parts of what a travel tells apart that orders of a linear axis, which has no whole ones, are looked at in: between two of them a
 /// peak of the spectrum is a parabola.
 const PARTS: usize = 4;
 
-/// Orders at which the missing torque, with a weight of its row, stands out of its neighbours, best first.
-pub(super) fn orders(
-    missing: &[Missing<'_>],
-    excitation: &Excitation,
-    weight: impl Fn(&Missing<'_>, usize) -> f64,
-) -> Vec<f64> {
+/// Orders at which a torque over position stands out of its neighbours, best first; the torque with its position, row by row.
+pub(super) fn orders(torques: impl Iterator<Item = (f64, f64)>, excitation: &Excitation) -> Vec<f64> {
     if excitation.travel <= 0.0 {
         return Vec::new();
     }
-    // Whole orders of a revolution; on a linear axis parts of what the travel can tell apart.
     let parts = if excitation.linear { PARTS } else { 1 };
-    let apart = if excitation.linear { TAU / excitation.travel / parts as f64 } else { 1.0 };
+    let apart = excitation.orders_apart() / parts as f64;
     let mut phasors = vec![(0.0, 0.0); parts * HIGHEST_ORDER + 1];
-    for one in missing {
-        for (row, (torque, position)) in one.torque.iter().zip(one.position).enumerate() {
-            let torque = torque * weight(one, row);
-            // Each order is the one before turned on by the first.
-            let (s1, c1) = (apart * position).sin_cos();
-            let (mut s, mut c) = (0.0, torque);
-            for (sine, cosine) in &mut phasors {
-                (*sine, *cosine) = (*sine + s, *cosine + c);
-                (s, c) = (s * c1 + c * s1, c * c1 - s * s1);
-            }
+    for (torque, position) in torques {
+        // Each order is the one before turned on by the first.
+        let (s1, c1) = (apart * position).sin_cos();
+        let (mut s, mut c) = (0.0, torque);
+        for (sine, cosine) in &mut phasors {
+            (*sine, *cosine) = (*sine + s, *cosine + c);
+            (s, c) = (s * c1 + c * s1, c * c1 - s * s1);
         }
     }
     let lowest = LOWEST_ORDER * parts;
@@ -100,15 +76,15 @@ pub(super) fn peaks(power: &[f64], parts: usize) -> Vec<usize> {
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::TAU;
+
     use super::*;
 
     /// Orders of a torque that swings over position, on an axis that goes to and fro twice.
     fn found(order: f64, travel: f64, linear: bool) -> Vec<f64> {
-        let position: Vec<f64> = (0..4000).map(|row| travel * (0.5 - 0.5 * (f64::from(row) / 318.0).cos())).collect();
-        let torque = position.iter().map(|position| (order * position + 0.4).sin()).collect();
-        let missing = Missing { torque, drive: Vec::new(), misfit: Vec::new(), position: &position, t_s: &[] };
-        let excitation = Excitation { travel, linear, ..Excitation::default() };
-        orders(&[missing], &excitation, |_, _| 1.0)
+        let positions = (0..4000).map(|row| travel * (0.5 - 0.5 * (f64::from(row) / 318.0).cos()));
+        let torques = positions.map(|position| ((order * position + 0.4).sin(), position));
+        orders(torques, &Excitation { travel, linear, ..Excitation::default() })
     }
 
     #[test]

@@ -12,7 +12,7 @@ use crate::likelihood::inverse::Motion;
 use crate::physics::Tone;
 use crate::problem::Problem;
 
-use super::orders::{HIGHEST_ORDER, MOST, Missing, orders, peaks};
+use super::orders::{HIGHEST_ORDER, MOST, orders, peaks};
 
 /// Lengths of pushes that are looked for, s.
 const PUSHES_S: [f64; 7] = [0.01, 0.02, 0.04, 0.08, 0.16, 0.32, 0.64];
@@ -25,9 +25,9 @@ pub(crate) fn seek(problem: &Problem, path: &Kept) -> Excitation {
     let missing: Vec<Missing<'_>> =
         path.recordings.iter().enumerate().map(|(index, kept)| of_recording(problem, path, index, kept)).collect();
     let mut excitation = problem.excitation.clone();
-    excitation.orders = orders(&missing, &problem.excitation, |_, _| 1.0);
+    excitation.orders = orders(weighted(&missing, |_, _| 1.0), &problem.excitation);
     // A ripple's missing torque goes along with the drive's.
-    excitation.ripple_orders = orders(&missing, &problem.excitation, |one, row| one.drive[row]);
+    excitation.ripple_orders = orders(weighted(&missing, |one, row| one.drive[row]), &problem.excitation);
     excitation.tones = tones(&missing, excitation.recordings, problem.band_hz());
     excitation.pulses = pushes(&missing, problem.motions.first().map_or(0.0, Motion::support_s));
     excitation.glitch = glitch(path);
@@ -90,6 +90,28 @@ fn glitch(path: &Kept) -> Option<(f64, f64)> {
     let middle = sizes.len() / 2;
     let share = sizes.len() as f64 / rows.max(1) as f64;
     (sizes.len() >= FEWEST_GLITCHES).then(|| (share, *sizes.select_nth_unstable_by(middle, f64::total_cmp).1))
+}
+
+/// What a pass says is missing in one recording, one value a row.
+struct Missing<'a> {
+    /// Torque, of no certain scale.
+    torque: Vec<f64>,
+    /// The drive's, N m (N).
+    drive: Vec<f64>,
+    /// How much less likely than expected a row is, and its whitened innovation; none where the motion is given.
+    misfit: Vec<(f64, f64)>,
+    /// rad (m).
+    position: &'a [f64],
+    /// s.
+    t_s: &'a [f64],
+}
+
+/// The missing torque of all rows with a weight of its row, and the position of each.
+fn weighted(missing: &[Missing<'_>], weight: fn(&Missing<'_>, usize) -> f64) -> impl Iterator<Item = (f64, f64)> {
+    missing.iter().flat_map(move |one| {
+        let rows = one.torque.iter().zip(one.position).enumerate();
+        rows.map(move |(row, (torque, position))| (torque * weight(one, row), *position))
+    })
 }
 
 /// One value a row from one a substep.

@@ -250,16 +250,17 @@ impl Outcome {
         let found = |one: &Concealed| answer.effects.iter().any(|effect| is_it(one, effect));
         let hinted = |one: &Concealed| found(one) || equivalent.contains(&one.id);
         let nameable = nameable(&truth);
+        let wrong = confidently_wrong(&truth, answer);
+        let indistinct = |effect: &Named| is_concealed_or_indistinct(&truth, effect);
         let over_floor =
             answer.fit.heldout_after_rms.zip(answer.fit.noise_floor_rms).map(|(after, floor)| after / floor);
         Self {
             exact: nameable && own.iter().all(|effect| right(effect)) && truth.effects.iter().all(found),
             first_right: nameable && own.first().is_some_and(|effect| right(effect)),
-            first_indistinct: nameable && own.first().is_some_and(|effect| is_concealed_or_indistinct(&truth, effect)),
+            first_indistinct: nameable && own.first().is_some_and(|effect| indistinct(effect)),
             listed: nameable && truth.effects.iter().all(hinted),
-            confidently_wrong: confidently_wrong(&truth, answer),
-            wrong_indistinct: confidently_wrong(&truth, answer)
-                && answer.effects.first().is_some_and(|first| is_concealed_or_indistinct(&truth, first)),
+            confidently_wrong: wrong,
+            wrong_indistinct: wrong && answer.effects.first().is_some_and(indistinct),
             stray: strays(&truth, answer),
             partial_wrong: partly_wrong(&truth, answer),
             wrongly_named: names_wrongly(&truth, answer),
