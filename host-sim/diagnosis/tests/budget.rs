@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{Making, PLAIN, STEP_RAD, recording};
+use common::{Making, PLAIN, STEP_RAD, three};
 use diagnosis::effects::VOCABULARY;
 use diagnosis::physics::Physics;
 use diagnosis::pipeline::{Conclusion, diagnose};
@@ -29,7 +29,7 @@ fn spent(allowed: u64) -> (Conclusion, u64) {
     };
     let torque = |t_s: f64, phase: f64| 3.0 * (5.0 * t_s + phase).sin() + 2.0 * (31.0 * t_s).sin();
     let making = Making { torque, seconds: 1.5, noise_nm: 0.02, step_rad: STEP_RAD, ..PLAIN };
-    let recordings = (1..=3).map(|seed| recording(&real, making, seed)).collect();
+    let recordings = three(&real, making);
     let problem = Problem::new(Physics::new(nominal), recordings, 2, STEP_RAD, false).allowing(allowed);
     let conclusion = diagnose(&problem, &VOCABULARY).unwrap();
     (conclusion, problem.work())

@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{Making, PLAIN, STEP_RAD, recording};
+use common::{Making, PLAIN, STEP_RAD, three};
 use diagnosis::effects::VOCABULARY;
 use diagnosis::physics::Physics;
 use diagnosis::pipeline::{Conclusion, diagnose};
@@ -32,7 +32,7 @@ fn machine(response: FieldResponse, warming: Option<Warming>) -> Model {
 /// What is found in two recordings with a third held out.
 fn found(nominal: Model, actual: &Model, seconds: f64) -> Conclusion {
     let making = Making { torque, field: levels, seconds, step_rad: STEP_RAD, ..PLAIN };
-    let recordings = (1..=3).map(|seed| recording(actual, making, seed)).collect();
+    let recordings = three(actual, making);
     let problem = Problem::new(Physics::new(nominal), recordings, 2, STEP_RAD, false);
     let found = diagnose(&problem, &VOCABULARY).unwrap();
     for named in &found.effects {

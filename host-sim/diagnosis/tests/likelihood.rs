@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{Making, PLAIN, STEP_RAD, recording};
+use common::{Making, PLAIN, STEP_RAD, recording, three};
 use diagnosis::confidence_set::{Step, assess, intervals};
 use diagnosis::effects::{VOCABULARY, find};
 use diagnosis::hypothesis::{Hypothesis, Refitted, evaluate, refit};
@@ -40,7 +40,7 @@ fn seen_by(step_rad: f64, nominal: Model, actual: &Model, noise_nm: f64) -> Prob
 
 fn made(making: Making, nominal: Model, actual: &Model) -> Problem {
     let step_rad = making.step_rad;
-    let recordings = (1..=3).map(|seed| recording(actual, making, seed)).collect();
+    let recordings = three(actual, making);
     Problem::new(Physics::new(nominal), recordings, 2, step_rad, false)
 }
 

@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{Making, PLAIN, STEP_RAD, recording};
+use common::{Making, PLAIN, STEP_RAD, three};
 use diagnosis::effects::VOCABULARY;
 use diagnosis::physics::Physics;
 use diagnosis::pipeline::{Named, diagnose};
@@ -28,7 +28,7 @@ fn machine() -> Model {
 /// What the diagnosis names first, two recordings fitted and one held out.
 fn first(actual: &Model, seconds: f64) -> Named {
     let making = Making { torque, seconds, noise_nm: NOISE_NM, step_rad: STEP_RAD, ..PLAIN };
-    let recordings = (1..=3).map(|seed| recording(actual, making, seed)).collect();
+    let recordings = three(actual, making);
     let problem = Problem::new(Physics::new(machine()), recordings, 2, STEP_RAD, false);
     let found = diagnose(&problem, &VOCABULARY).unwrap();
     for named in &found.effects {

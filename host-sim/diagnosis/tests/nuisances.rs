@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{Making, PLAIN, STEP_RAD, recording};
+use common::{Making, PLAIN, STEP_RAD, three};
 use diagnosis::effects::{Effect, VOCABULARY};
 use diagnosis::physics::Physics;
 use diagnosis::pipeline::{Conclusion, diagnose};
@@ -33,7 +33,7 @@ fn machine() -> Model {
 
 fn recorded(actual: &Model, acting: fn(f64, f64) -> f64) -> Vec<Recorded> {
     let making = Making { torque: acting, seconds: 4.0, noise_nm: 0.02, step_rad: STEP_RAD, ..PLAIN };
-    (1..=3).map(|seed| recording(actual, making, seed)).collect()
+    three(actual, making)
 }
 
 fn concluded(recordings: Vec<Recorded>, without: &[&str]) -> Conclusion {

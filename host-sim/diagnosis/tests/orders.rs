@@ -5,7 +5,7 @@ mod common;
 
 use std::f64::consts::TAU;
 
-use common::{Making, PLAIN, STEP_RAD, recording};
+use common::{Making, PLAIN, STEP_RAD, three};
 use diagnosis::effects::VOCABULARY;
 use diagnosis::physics::Physics;
 use diagnosis::pipeline::diagnose;
@@ -26,7 +26,7 @@ fn machine() -> Model {
 /// Orders at which the diagnosis names an effect of that kind, and of how many effects in all; two recordings fitted and one held out.
 fn orders(actual: &Model, id: &str, order: f64) {
     let making = Making { torque, seconds: 4.0, noise_nm: 0.02, step_rad: STEP_RAD, ..PLAIN };
-    let recordings: Vec<_> = (1..=3).map(|seed| recording(actual, making, seed)).collect();
+    let recordings = three(actual, making);
     let problem = Problem::new(Physics::new(machine()), recordings, 2, STEP_RAD, true);
     let apart = TAU / problem.excitation.travel;
     let found = diagnose(&problem, &VOCABULARY).unwrap();

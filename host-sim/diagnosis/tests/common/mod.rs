@@ -40,6 +40,11 @@ pub const PLAIN: Making = Making {
     beside: |_, _| 0.0,
 };
 
+/// Three recordings of a machine, of seeds 1 to 3.
+pub fn three(model: &Model, making: Making) -> Vec<Recorded> {
+    (1..=3).map(|seed| recording(model, making, seed)).collect()
+}
+
 /// A recording of a machine; the seed is the phase of its torque too.
 pub fn recording(model: &Model, making: Making, seed: u64) -> Recorded {
     let Making { torque, field, seconds, noise_nm, step_rad, coloured: (coloured_nm, memory_s), beside } = making;
