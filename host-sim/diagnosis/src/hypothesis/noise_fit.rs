@@ -26,8 +26,28 @@ fn noise_of_one(problem: &Problem, physics: &Physics, index: usize, from: &Noise
         let residual = residual(problem, index, motion, &prepared, &acting);
         return Some(prepared.likeliest_noise(motion, &problem.recordings[index], &residual));
     }
-    let excerpt = Excerpt { problem, index, prepared: &prepared, acting: &acting };
+    let excerpt = Excerpt { problem, index, prepared: &prepared, acting: &acting, stretches: &problem.excerpts[index] };
     Some(excerpt.likeliest(*from, octaves).0)
+}
+
+/// The same from near by, on all rows of each of `which` and in small steps: what is left over among numbers that an excerpt hardly tells apart
+/// was worth eight units of a held-out recording between two hypotheses that predict the same.
+pub(super) fn noise_on_all_rows(
+    problem: &Problem,
+    physics: &Physics,
+    from: &[Noise],
+    which: Range<usize>,
+) -> Vec<Noise> {
+    let one = |(index, from): (usize, &Noise)| {
+        if !which.contains(&index) || problem.motions.get(index).is_some() {
+            return *from;
+        }
+        let Some((prepared, acting)) = prepare(problem, physics, index) else { return *from };
+        let all = 0..problem.recordings[index].rows();
+        let (prepared, acting, stretches) = (&prepared, &acting, std::slice::from_ref(&all));
+        Excerpt { problem, index, prepared, acting, stretches }.likeliest(*from, FINEST_OCTAVES).0
+    };
+    from.par_iter().enumerate().map(one).collect()
 }
 
 /// Memories that are tried first, s: from what a current loop has to what ripple and bearings have. Each is a factor of four from
@@ -50,7 +70,7 @@ fn coloured_one(problem: &Problem, physics: &Physics, index: usize, from: &Noise
         return None;
     }
     let (prepared, acting) = prepare(problem, physics, index)?;
-    let excerpt = Excerpt { problem, index, prepared: &prepared, acting: &acting };
+    let excerpt = Excerpt { problem, index, prepared: &prepared, acting: &acting, stretches: &problem.excerpts[index] };
     let period_s = problem.recordings[index].period_s();
     let start = |memory_s: f64| {
         let sd = ((1.0 - WHITE_AT_FIRST) * from.torque_density / (2.0 * memory_s)).sqrt();
@@ -69,7 +89,8 @@ fn coloured_one(problem: &Problem, physics: &Physics, index: usize, from: &Noise
 pub(crate) fn over_excerpts(problem: &Problem, physics: &Physics, noise: &[Noise]) -> Option<f64> {
     let one = |index: usize| {
         let (prepared, acting) = prepare(problem, physics, index)?;
-        let excerpt = Excerpt { problem, index, prepared: &prepared, acting: &acting };
+        let excerpt =
+            Excerpt { problem, index, prepared: &prepared, acting: &acting, stretches: &problem.excerpts[index] };
         let scale = problem.recordings[index].rows() as f64 / excerpt.rows().max(1) as f64;
         Some(scale * excerpt.score(&noise[index])).filter(|score| score.is_finite())
     };
@@ -80,6 +101,8 @@ pub(crate) fn over_excerpts(problem: &Problem, physics: &Physics, noise: &[Noise
 const RISEN: f64 = 0.5;
 /// A step over which the likelihood is a parabola: a quarter of a number's logarithm is off by a fiftieth at its top.
 const FINE_OCTAVES: f64 = 0.5;
+/// Half of that, for noise that is near its top.
+const FINEST_OCTAVES: f64 = 0.25;
 
 /// Where a parabola that is 0 at 0 and falls to `up` at 1 and to `down` at -1 has its top.
 fn top_of_parabola(up: f64, down: f64) -> f64 {
@@ -93,23 +116,24 @@ struct Excerpt<'a> {
     index: usize,
     prepared: &'a Prepared,
     acting: &'a Acting,
+    stretches: &'a [Range<usize>],
 }
 
 impl Excerpt<'_> {
     /// Number of them.
     fn rows(&self) -> usize {
-        self.problem.excerpts[self.index].iter().map(Range::len).sum()
+        self.stretches.iter().map(Range::len).sum()
     }
 
     fn score(&self, noise: &Noise) -> f64 {
-        let Self { problem, index, prepared, acting } = *self;
+        let Self { problem, index, prepared, acting, stretches } = *self;
         let substeps = problem.grids[index].substeps() / problem.recordings[index].rows().max(1);
         let of = |rows: &Range<usize>| -> f64 {
             let driven = Driven { rows: rows.clone(), ..driven(problem, index, acting) };
             problem.spend(prepared.cost(noise) * rows.len() * substeps);
             prepared.run(driven, noise).log_likelihood.iter().sum()
         };
-        let sum: f64 = problem.excerpts[index].iter().map(of).sum();
+        let sum: f64 = stretches.iter().map(of).sum();
         if sum.is_finite() { sum } else { f64::NEG_INFINITY }
     }
 

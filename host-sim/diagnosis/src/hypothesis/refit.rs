@@ -9,7 +9,7 @@ use super::Hypothesis;
 use super::along::{FINEST, FINEST_OF_ROUGH, searched};
 use super::differences::by_differences;
 use super::evaluate::{Evaluation, Kept, KeptRecording, evaluate, kept};
-use super::noise_fit::noise_of;
+use super::noise_fit::{noise_of, noise_on_all_rows};
 use crate::likelihood::filter::HUBER;
 use crate::likelihood::{Innovations, Noise};
 use crate::physics::Physics;
@@ -40,8 +40,10 @@ impl Refitted {
         let held_out = evaluate(problem, &physics, &found.noise, looked_at..all)?;
         found.evaluation.blocks.extend(held_out.blocks);
         found.evaluation.innovations.extend(held_out.innovations);
-        let noise = noise_of(problem, &physics, &found.noise, 0.5, looked_at..all);
-        found.take_likelier_noise(problem, &physics, &noise, looked_at..all)?;
+        for estimate in [on_excerpts, noise_on_all_rows] {
+            let noise = estimate(problem, &physics, &found.noise, looked_at..all);
+            found.take_likelier_noise(problem, &physics, &noise, looked_at..all)?;
+        }
         Some(found)
     }
 
@@ -188,11 +190,15 @@ fn stepped(problem: &Problem, from: Refitted, damping: &mut f64) -> Option<(Refi
     Some((searched(problem, best, &places, FINEST), information))
 }
 
+fn on_excerpts(problem: &Problem, physics: &Physics, from: &[Noise], which: Range<usize>) -> Vec<Noise> {
+    noise_of(problem, physics, from, 0.5, which)
+}
+
 /// With the noise that goes with its values.
 fn with_its_noise(problem: &Problem, mut found: Refitted) -> Option<Refitted> {
     let physics = found.hypothesis.physics(&problem.nominal);
     let told_by = 0..found.hypothesis.told_by(problem);
-    let noise = noise_of(problem, &physics, &found.noise, 0.5, told_by.clone());
+    let noise = on_excerpts(problem, &physics, &found.noise, told_by.clone());
     found.take_likelier_noise(problem, &physics, &noise, told_by)?;
     Some(found)
 }
