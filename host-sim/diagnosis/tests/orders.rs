@@ -35,6 +35,10 @@ fn orders(actual: &Model, id: &str, order: f64) {
     assert_eq!(named.len(), 1, "{named:?}");
     assert_eq!(named[0].0, id);
     assert!((named[0].1 - order).abs() < 0.05 * apart, "{named:?}, is {order}, {apart} apart");
+    // Amplitude, order and phase.
+    let found = found.effects[0].intervals[1];
+    println!("{:.4} ({:.4} to {:.4})", found.value, found.low, found.high);
+    assert!(found.low < order && order < found.high && found.high - found.low < 0.1 * apart, "{found:?}");
 }
 
 #[test]

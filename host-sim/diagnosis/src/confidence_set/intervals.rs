@@ -41,6 +41,8 @@ pub fn intervals(best: &Assessed, at: usize) -> Vec<Interval> {
             Some(variance) => TWO_SIDED_95 * variance.sqrt(),
             None => half_width(best, &slopes[index]),
         };
+        let of_order = best.profile.as_ref().map_or(0.0, |profile| profile.of_order(at, index));
+        let half = half.hypot(best.critical_value() * of_order.sqrt());
         let [down, up] = best.profile.as_ref().map_or([1.0; 2], |profile| profile.stretch(at, index));
         let least = smallest(best, at, &slopes[index]);
         Interval { value, low: value - (half * down).hypot(least), high: value + (half * up).hypot(least) }
@@ -82,7 +84,7 @@ pub fn slopes(best: &Assessed, at: usize) -> Vec<Vec<f64>> {
 }
 
 /// A phase that passes pi by a small step is no jump.
-fn wrapped(difference: f64) -> f64 {
+pub(super) fn wrapped(difference: f64) -> f64 {
     if difference.abs() > std::f64::consts::PI {
         difference - std::f64::consts::TAU.copysign(difference)
     } else {

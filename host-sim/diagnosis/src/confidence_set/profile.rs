@@ -5,8 +5,8 @@ use nalgebra::DVector;
 
 use super::Step;
 use super::information::Assessed;
-use super::intervals::{half_width, slopes};
-use crate::hypothesis::{evaluate, ranges, variance_along};
+use super::intervals::{half_width, slopes, wrapped};
+use crate::hypothesis::{OrderSpread, evaluate, order_spread, ranges, variance_along};
 use crate::problem::Problem;
 
 /// By what half the intervals of each entry's reported values are stretched downwards and upwards, and the variances of the numbers that
@@ -15,11 +15,18 @@ use crate::problem::Problem;
 pub(super) struct Profile {
     stretches: Vec<Vec<[f64; 2]>>,
     variances: Vec<((usize, usize), f64)>,
+    /// For each entry what the variance of its order adds to those of its reported values.
+    of_orders: Vec<Vec<f64>>,
 }
 
 impl Profile {
     pub(super) fn stretch(&self, entry: usize, value: usize) -> [f64; 2] {
         self.stretches.get(entry).and_then(|of| of.get(value)).copied().unwrap_or([1.0; 2])
+    }
+
+    /// What an order that is off adds to the variance of a reported value.
+    pub(super) fn of_order(&self, entry: usize, value: usize) -> f64 {
+        self.of_orders.get(entry).and_then(|of| of.get(value)).copied().unwrap_or(0.0)
     }
 
     pub(super) fn variance(&self, entry: usize, value: usize) -> Option<f64> {
@@ -46,9 +53,26 @@ impl Step {
             slopes.iter().map(|slopes| [-1.0, 1.0].map(|sign| stretch(problem, best, slopes, sign))).collect()
         };
         let stretches = (0..hypothesis.entries.len()).map(of_entry).collect();
-        self.assessed.profile = Some(Profile { stretches, variances });
+        let of_orders = (0..hypothesis.entries.len()).map(|at| of_order(problem, best, at)).collect();
+        self.assessed.profile = Some(Profile { stretches, variances, of_orders });
         self
     }
+}
+
+/// What the variance of an entry's order adds to those of its reported values, all else refitted beside it; as much more as its
+/// other values scatter over blocks. Nothing where it has no order or a whole one.
+fn of_order(problem: &Problem, best: &Assessed, at: usize) -> Vec<f64> {
+    let Some(OrderSpread { variance, step, sides }) = order_spread(problem, &best.refitted, at) else {
+        return Vec::new();
+    };
+    let [below, above] = sides.map(|values| (best.refitted.hypothesis.entries[at].effect.report)(&values));
+    let of = |(below, above): (&f64, &f64)| {
+        // The order itself is no phase, however far it goes.
+        let by = above - below;
+        let slope = if (by - 2.0 * step).abs() < 1e-6 * step { 1.0 } else { wrapped(by) / (2.0 * step) };
+        slope * slope * variance * best.inflation(at)
+    };
+    below.iter().zip(&above).map(of).collect()
 }
 
 /// By what half the interval of what has those slopes over the free values is stretched to where the likelihood falls as far as its

@@ -16,7 +16,7 @@ pub use evaluate::{Evaluation, evaluate};
 pub(crate) use evaluate::{Kept, KeptRecording, kept};
 pub(crate) use noise_fit::over_excerpts;
 pub use noise_fit::{coloured_noise, noise_of};
-pub(crate) use orders::{comes_back, with_likelier_order};
+pub(crate) use orders::{OrderSpread, comes_back, order_spread, with_likelier_order};
 pub use refit::{Refitted, refit};
 pub(crate) use refit::{columns, ranges, refit_linearised, refit_under};
 

@@ -62,6 +62,39 @@ fn between(problem: &Problem, from: &Refitted, entry: usize, step: f64) -> Optio
     if top.is_finite() { likelier(problem, from, entry, top) } else { None }
 }
 
+/// How far an order of a linear axis is off, and what else moves with it.
+pub(crate) struct OrderSpread {
+    /// Variance of the order, were all rows independent, 1/m^2.
+    pub(crate) variance: f64,
+    /// Distance of the order on either side, 1/m.
+    pub(crate) step: f64,
+    /// Fitted values of the entry at the order that far below and above.
+    pub(crate) sides: [Vec<f64>; 2],
+}
+
+/// Goes at a step over which the likelihood falls by half a unit, a standard deviation.
+const SPREAD_GOES: usize = 3;
+
+/// The curvature of the likelihood over the order of an entry, all else refitted; none where the entry has no order, or one of a revolution,
+/// which is whole.
+pub(crate) fn order_spread(problem: &Problem, from: &Refitted, entry: usize) -> Option<OrderSpread> {
+    from.hypothesis.entries.get(entry).filter(|entry| entry.effect.lowest_order.is_some())?;
+    let mut step = steps(problem).last().filter(|_| problem.excitation.linear)? * NEARER.powi(PARABOLAS);
+    let mut found = None;
+    for _ in 0..SPREAD_GOES {
+        let [below, above] = [at_order(problem, from, entry, -step)?, at_order(problem, from, entry, step)?];
+        let fall = from.log_likelihood - 0.5 * (below.log_likelihood + above.log_likelihood);
+        let sides = [below, above].map(|side| side.hypothesis.entries[entry].values.clone());
+        let variance = 0.5 * step * step / fall;
+        if !(variance.is_finite() && variance > 0.0) {
+            break;
+        }
+        found = Some(OrderSpread { variance, step, sides });
+        step = variance.sqrt();
+    }
+    found
+}
+
 /// Refitted at another order of an entry; none where that is not likelier, would be no order, or where no work is left.
 fn likelier(problem: &Problem, from: &Refitted, entry: usize, step: f64) -> Option<Refitted> {
     at_order(problem, from, entry, step).filter(|found| found.log_likelihood - from.log_likelihood >= SETTLED)
