@@ -139,8 +139,8 @@ fn prediction(commands: &Problem, own: &Step, other: &Step) -> Prediction {
     let hypothesis = &other.assessed.refitted.hypothesis;
     let refitted = refit(commands, hypothesis, &first_noise(commands), STEPS_OF_THE_OTHER);
     let Some(other) = refitted.and_then(|refitted| Step::new(commands, refitted)) else { return Prediction::Better };
-    let better = own.windows.gain_over(&other.windows, commands) >= SMALLEST_GAIN;
-    let worse = other.windows.gain_over(&own.windows, commands) >= SMALLEST_GAIN;
+    let better = own.windows.fall_from(&other.windows, commands) >= SMALLEST_GAIN;
+    let worse = other.windows.fall_from(&own.windows, commands) >= SMALLEST_GAIN;
     match (better, worse) {
         (_, true) => Prediction::Worse,
         (true, false) => Prediction::Better,
@@ -229,7 +229,7 @@ fn without_doubtful(finer: &Problem, mut found: Found) -> Found {
             return found;
         }
         let Some(without) = found.best.without(finer, at) else { return found };
-        let gain = found.best.windows.gain_over(&without.windows, finer);
+        let gain = gain(finer, &found.best, &without, at);
         found.take_out(at, without.widened(finer), gain, false);
     }
 }

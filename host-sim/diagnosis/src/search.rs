@@ -201,10 +201,9 @@ fn forward(problem: &Problem, vocabulary: &[&'static Effect], from: Step, around
     while best.assessed.refitted.hypothesis.entries.len() < MOST_EFFECTS + began && !problem.is_spent() {
         let found = around_best(&mut moved, around).extended(problem, among);
         let mut begun = found.iter().take_while(|_| !problem.is_spent());
-        let taken = begun.find_map(|one| Some((worth(problem, &best, &one.refitted, one.odds)?, one.odds)));
-        match taken {
-            Some(((next, taken), odds)) => {
-                tried.push(Odds { taken, ..odds });
+        match begun.find_map(|one| worth(problem, &best, &one.refitted, one.odds)) {
+            Some((next, odds)) => {
+                tried.push(odds);
                 best = next;
                 moved = Some(Around::new(&best.assessed.refitted, vocabulary));
             }
@@ -244,8 +243,12 @@ fn not_taken(problem: &Problem, from: &Step, Extended { refitted: to, odds, .. }
     let entry = to.hypothesis.entries.len() - 1;
     let next = if worth_it && !problem.is_spent() { Step::new(problem, to) } else { None };
     let gain = next.as_ref().map(|next| self::gain(problem, next, from, entry));
-    let certain = gain.is_some_and(|gain| is_part_of_it(effect, gain))
-        && next.is_some_and(|next| p_value(&next.assessed, entry, rise, odds) < LEVEL_OF_A_STEP);
+    let certain = next.zip(gain).is_some_and(|(next, gain)| {
+        let odds = odds.beside_chance(problem, &from.assessed.refitted.hypothesis, &next.assessed.refitted);
+        is_part_of_it(effect, gain)
+            && is_crossed(problem, &next, from, entry)
+            && p_value(&next.assessed, entry, rise, odds) < LEVEL_OF_A_STEP
+    });
     Some(Rejected { effect, rise, gain, certain })
 }
 
@@ -256,7 +259,7 @@ fn is_part_of_it(effect: &Effect, gain: f64) -> bool {
 }
 
 /// The step to a hypothesis with one entry more, if it is worth it.
-fn worth(problem: &Problem, from: &Step, to: &Refitted, odds: Odds) -> Option<(Step, (f64, f64))> {
+fn worth(problem: &Problem, from: &Step, to: &Refitted, odds: Odds) -> Option<(Step, Odds)> {
     let rise = |to: &Refitted| to.log_likelihood - from.assessed.refitted.log_likelihood;
     if rise(to).is_nan() || rise(to) <= problem.price() {
         return None;
@@ -269,14 +272,28 @@ fn worth(problem: &Problem, from: &Step, to: &Refitted, odds: Odds) -> Option<(S
     }
     let rise = rise(&to);
     let next = Step::new(problem, to)?;
+    let odds = odds.beside_chance(problem, &from.assessed.refitted.hypothesis, &next.assessed.refitted);
     let p = p_value(&next.assessed, entry, rise, odds);
     let gain = gain(problem, &next, from, entry);
-    let crossed = next.assessed.total() > from.assessed.total();
+    let crossed = is_crossed(problem, &next, from, entry);
     let apart = next.assessed.away_from_neutral(problem, entry);
-    (p < LEVEL_OF_A_STEP && gain >= SMALLEST_GAIN && crossed && apart).then_some((next, (p, gain)))
+    (p < LEVEL_OF_A_STEP && gain >= SMALLEST_GAIN && crossed && apart)
+        .then_some((next, Odds { taken: (p, gain), ..odds }))
 }
 
-/// What an entry brings to the windows: those that judge, or those around an event.
+/// Whether what chose no value is nearer with an entry than without it: all blocks together, and of what holds always the recordings that
+/// judge by themselves, by their likelihood or by their windows.
+pub(crate) fn is_crossed(problem: &Problem, with: &Step, without: &Step, entry: usize) -> bool {
+    let of = &with.assessed.refitted.hypothesis.entries[entry];
+    with.assessed.total() > without.assessed.total()
+        && ((of.effect.span)(&of.values).is_some()
+            || with.assessed.judged(problem) > without.assessed.judged(problem)
+            || with.windows.fall_from(&without.windows, problem) > 0.0)
+}
+
+/// What an entry brings to the windows: those that judge, or those around an event. Where the motion is given the likelihood sees a band
+/// of it only, so that what the windows beyond that lose is measured; a filter's likelihood tells whether an entry is right, and how
+/// large it is what it moves.
 pub(crate) fn gain(problem: &Problem, with: &Step, without: &Step, entry: usize) -> f64 {
     let entry = &with.assessed.refitted.hypothesis.entries[entry];
     if entry.effect.changes_samples_only() {
@@ -284,12 +301,15 @@ pub(crate) fn gain(problem: &Problem, with: &Step, without: &Step, entry: usize)
         return fall(problem, with.assessed.refitted.log_likelihood - without.assessed.refitted.log_likelihood);
     }
     let span = (entry.effect.span)(&entry.values);
-    span.and_then(|(recording, from_s, to_s)| {
+    let at_the_event = span.and_then(|(recording, from_s, to_s)| {
         let t_s = &problem.recordings.get(recording)?.t_s;
         let rows = t_s.partition_point(|t| *t < from_s)..t_s.partition_point(|t| *t < to_s);
-        Some(with.windows.gain_at(&without.windows, recording, &rows))
+        Some(with.windows.fall_at(&without.windows, recording, &rows))
+    });
+    at_the_event.unwrap_or_else(|| match problem.motions.is_empty() {
+        true => with.windows.accounted(&without.windows, problem),
+        false => with.windows.fall_from(&without.windows, problem),
     })
-    .unwrap_or_else(|| with.windows.gain_over(&without.windows, problem))
 }
 
 /// Relative fall of the innovations' typical size that a rise of the log-likelihood is.

@@ -74,23 +74,39 @@ impl WindowFit {
         if rows == 0 { 0.0 } else { sum / rows as f64 }
     }
 
-    /// The same around an event: in its recording, in windows that touch these rows.
-    pub fn gain_at(&self, other: &Self, recording: usize, rows: &Range<usize>) -> f64 {
-        let near = |window: &Window| window.start < rows.end && window.start + window.rows > rows.start;
-        let fall = |horizon: usize| {
-            let of =
-                |fit: &Self| fit.mean_where(recording..recording + 1, horizon, near, |window| window.squares).sqrt();
-            let (before, after) = (of(other), of(self));
-            if before > 0.0 { 1.0 - after / before } else { 0.0 }
+    /// Share of the error of the recordings that judge, under a fit that lacks an entry, that is the entry's; the larger of both horizons.
+    /// Where the entry is right, the other's squares are expected to be those left plus those between the two predictions. How they fell has
+    /// that mean, and scatters by what the noise of a few windows has in common with the difference of the predictions: by tens of per
+    /// cent where two seconds are held out.
+    pub fn accounted(&self, without: &Self, problem: &Problem) -> f64 {
+        let of = |horizon: usize| {
+            let pairs = problem
+                .judged()
+                .flat_map(|index| self.windows[index][horizon].iter().zip(&without.windows[index][horizon]));
+            let squares = |(left, moved): (f64, f64), (own, other): (&Window, &Window)| {
+                (left + own.squares, moved + own.squares_between(other))
+            };
+            let (left, moved) = pairs.fold((0.0, 0.0), squares);
+            if moved > 0.0 { 1.0 - (left / (left + moved)).sqrt() } else { 0.0 }
         };
-        fall(0).max(fall(1))
+        of(0).max(of(1))
     }
 
     /// Largest relative fall of the root mean square against another fit, over both horizons, on the recordings that judge.
-    pub fn gain_over(&self, other: &Self, problem: &Problem) -> f64 {
-        let judged = problem.judged();
+    pub fn fall_from(&self, other: &Self, problem: &Problem) -> f64 {
+        self.fall_where(other, problem.judged(), |_| true)
+    }
+
+    /// The same around an event: in its recording, in windows that touch these rows.
+    pub fn fall_at(&self, other: &Self, recording: usize, rows: &Range<usize>) -> f64 {
+        let near = |window: &Window| window.start < rows.end && window.start + window.rows > rows.start;
+        self.fall_where(other, recording..recording + 1, near)
+    }
+
+    fn fall_where(&self, other: &Self, recordings: Range<usize>, counts: impl Fn(&Window) -> bool) -> f64 {
         let fall = |horizon: usize| {
-            let (before, after) = (other.rms(judged.clone(), horizon), self.rms(judged.clone(), horizon));
+            let of = |fit: &Self| fit.mean_where(recordings.clone(), horizon, &counts, |window| window.squares).sqrt();
+            let (before, after) = (of(other), of(self));
             if before > 0.0 { 1.0 - after / before } else { 0.0 }
         };
         fall(0).max(fall(1))

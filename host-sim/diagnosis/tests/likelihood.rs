@@ -260,7 +260,7 @@ fn windows_along_a_motion_start_from_what_the_machine_remembers() {
     let [without, with] =
         [Hypothesis::default(), Hypothesis::default().with(find("presliding").unwrap(), vec![stiffness])]
             .map(|hypothesis| WindowFit::new(&problem, &refit(&problem, &hypothesis, &noise, 0).unwrap()).unwrap());
-    let gain = with.gain_over(&without, &problem);
+    let gain = with.fall_from(&without, &problem);
     assert!(gain > 0.5, "{gain}");
 }
 

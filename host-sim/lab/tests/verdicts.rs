@@ -85,7 +85,7 @@ fn one_residual_is_one_number_on_terminal_page_and_in_json() {
             [
                 format!("after ({less} % less)"),
                 format!("{explained} % of the excess explained"),
-                format!("held-out error up to {gain} % less with it"),
+                format!("accounts for up to {gain} % of the held-out error"),
             ],
         ),
         (
@@ -93,7 +93,7 @@ fn one_residual_is_one_number_on_terminal_page_and_in_json() {
             [
                 format!("<td>{less} %</td>"),
                 format!("explains {explained} % of the excess"),
-                format!("Held-out error up to {gain} % less with it"),
+                format!("Accounts for up to {gain} % of the held-out error"),
             ],
         ),
     ] {

@@ -46,6 +46,11 @@ impl Assessed {
         self.crossed.iter().flatten().sum()
     }
 
+    /// Sum of the blocks of the recordings that judge.
+    pub fn judged(&self, problem: &Problem) -> f64 {
+        self.crossed[problem.judged()].iter().flatten().sum()
+    }
+
     /// Largest correlation of a value of an entry with a value of another, 0 to 1.
     pub fn collinear(&self, entry: usize) -> f64 {
         let places = self.refitted.hypothesis.free();

@@ -14,7 +14,7 @@ pub static EFFECT: Effect = Effect {
     starts: |_, e| {
         // A rotor at rest answers a push only beyond what holds it.
         let sizes = [0.1, 1.0, 3.0].map(|size| size * e.torque_rms);
-        let values = |&(recording, pulse, _): &(usize, Pulse, f64)| {
+        let values = |&(recording, pulse): &(usize, Pulse)| {
             sizes.map(|size| vec![recording as f64, pulse.start_s, pulse.duration_s, size * pulse.amplitude])
         };
         e.pulses.iter().flat_map(values).collect()
@@ -29,10 +29,6 @@ pub static EFFECT: Effect = Effect {
     span: |v| Some((v[0] as usize, v[1], v[1] + v[2])),
     recording_of: |v, _| Some(v[0] as usize),
     looked_at: |e| e.looked_at[2],
-    by_chance: |e, v| {
-        let same = |(recording, pulse, _): &&(usize, Pulse, f64)| *recording == v[0] as usize && pulse.start_s == v[1];
-        e.pulses.iter().find(same).map_or(1.0, |(_, _, chance)| *chance)
-    },
     leading: &[2],
     columns: Columns::Scaled(3),
     once: true,

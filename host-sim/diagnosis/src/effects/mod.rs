@@ -91,8 +91,8 @@ pub struct Excitation {
     pub orders: Vec<f64>,
     /// The same of the residual's share that goes along with the drive's torque.
     pub ripple_orders: Vec<f64>,
-    /// Pushes that stand out of the residual, each with its recording and how often chance has one stand out as far.
-    pub pulses: Vec<(usize, Pulse, f64)>,
+    /// Pushes that stand out of the residual, each with its recording, best first.
+    pub pulses: Vec<(usize, Pulse)>,
     /// Tones that stand out of the residual, best first.
     pub tones: Vec<Tone>,
     /// Of the recordings whose motion repeats itself.
@@ -167,8 +167,6 @@ pub struct Effect {
     pub recording_of: fn(&[f64], usize) -> Option<usize>,
     /// Places that were looked at to find its starts, beside the starts themselves.
     pub looked_at: fn(&Excitation) -> f64,
-    /// Probability that chance alone has this start stand out as it does, where that is known apart from the likelihood.
-    pub by_chance: fn(&Excitation, &[f64]) -> f64,
     /// Effects that no motion of a machine without a fluid tells from it.
     pub alike: &'static [&'static str],
     /// A measurement of another kind that tells it where no motion does, as an instruction; none where only motion tells.
@@ -200,7 +198,6 @@ pub(crate) const PLAIN: Effect = Effect {
     widens: None,
     recording_of: |_, _| None,
     looked_at: |_| 1.0,
-    by_chance: |_, _| 0.0,
     alike: &[],
     measured_by: None,
     first: false,

@@ -94,13 +94,13 @@ impl Prepared {
                     p[N - 1] = [0.0; N];
                     p[N - 1][N - 1] = colour.sd * colour.sd;
                 }
-                let mut window = Window { start, rows: horizon, squares: 0.0, expected: 0.0 };
+                let mut window = Window::new(start, horizon);
                 for row in start..end {
                     for index in grid.first[row] as usize..grid.first[row + 1] as usize {
                         x = self.laws.mean(&x, &Substep::of(acting, index, grid.dt_s[row]), CERTAIN, CERTAIN);
                         self.laws.widen(&mut p, &stored.steps[index].linear, grid.dt_s[row], noise);
                     }
-                    window.squares += (recorded.position[row + 1] - self.seen(x[POSITION]).0).powi(2);
+                    window.push(recorded.position[row + 1] - self.seen(x[POSITION]).0);
                     window.expected +=
                         p[POSITION][POSITION] + noise.sensor_sd * noise.sensor_sd + self.rounding.variance;
                 }
@@ -206,6 +206,26 @@ pub(crate) struct Window {
     pub(crate) squares: f64,
     /// The same as the noise and the estimated start let expect.
     pub(crate) expected: f64,
+    /// Recorded minus simulated position of each row behind the first, rad (m); in single precision, for there are many.
+    left: Vec<f32>,
+}
+
+impl Window {
+    /// Of some rows from `start` on, none simulated yet.
+    pub(super) fn new(start: usize, rows: usize) -> Self {
+        Self { start, rows, squares: 0.0, expected: 0.0, left: Vec::with_capacity(rows) }
+    }
+
+    /// Takes what is left of the next row.
+    pub(super) fn push(&mut self, left: f64) {
+        self.squares += left * left;
+        self.left.push(left as f32);
+    }
+
+    /// Sum of squares between its simulation and another one of the same rows, rad^2 (m^2).
+    pub(crate) fn squares_between(&self, other: &Self) -> f64 {
+        self.left.iter().zip(&other.left).map(|(own, other)| f64::from(own - other).powi(2)).sum()
+    }
 }
 
 /// Standard deviation of a state that is simulated and not estimated: none, but for the closed forms' division.

@@ -1,6 +1,7 @@
 //! Every candidate at once: columns of one regression with the whitened residual on the left.
 
 mod orders;
+mod pushes;
 mod seek;
 
 use nalgebra::{DMatrix, DVector};
@@ -12,6 +13,7 @@ use crate::likelihood::Noise;
 use crate::physics::Physics;
 use crate::problem::Problem;
 
+pub(crate) use pushes::by_chance;
 use seek::seek;
 
 /// A start of an effect with what it promises.
@@ -25,14 +27,12 @@ pub struct Candidate {
     pub gain: f64,
     /// Among how many variants of this effect it was found.
     pub tries: f64,
-    /// Probability that chance alone has its start stand out, 0 where only the likelihood tells.
-    pub by_chance: f64,
 }
 
 impl Candidate {
     /// Found among one.
     fn new(effect: &'static Effect, from: Vec<f64>, values: Vec<f64>, gain: f64) -> Self {
-        Self { entry: Entry { effect, values }, from, gain, tries: 1.0, by_chance: 0.0 }
+        Self { entry: Entry { effect, values }, from, gain, tries: 1.0 }
     }
 }
 
@@ -70,7 +70,6 @@ pub(crate) fn score(problem: &Problem, at: &Refitted, vocabulary: &[&'static Eff
         all.iter().map(|one| (one.entry.effect.looked_at)(&excitation).max(of(one.entry.effect))).collect();
     for (candidate, tries) in all.iter_mut().zip(tries) {
         candidate.tries = tries;
-        candidate.by_chance = (candidate.entry.effect.by_chance)(&excitation, &candidate.from);
     }
     all.sort_by(|a, b| b.gain.total_cmp(&a.gain));
     Some(all)

@@ -6,7 +6,7 @@ use crate::effects::{Effect, VOCABULARY};
 use crate::hypothesis::{Entry, Hypothesis, Refitted, refit, refit_linearised, refit_under};
 use crate::likelihood::Noise;
 use crate::problem::Problem;
-use crate::score::{Candidate, as_it_starts, score};
+use crate::score::{Candidate, as_it_starts, by_chance, score};
 
 use super::Rejected;
 
@@ -18,7 +18,7 @@ const FIRST_STEPS: usize = 2;
 /// Steps of one that goes to the optimum.
 const STEPS: usize = 10;
 
-/// Among how many variants an effect was found, and how often chance has its start stand out.
+/// Among how many variants an effect was found, and how often chance has as much happen where it is an event.
 #[derive(Debug, Clone, Copy)]
 pub struct Odds {
     pub(super) tries: f64,
@@ -31,6 +31,12 @@ impl Odds {
     /// Of what was looked for in one place.
     pub fn of_one() -> Self {
         Self { tries: 1.0, by_chance: 0.0, taken: NOT_YET }
+    }
+
+    /// With how often chance has as much happen as the last entry of `to`, where that is an event.
+    pub(super) fn beside_chance(self, problem: &Problem, from: &Hypothesis, to: &Refitted) -> Self {
+        let event = to.hypothesis.entries.last().and_then(|last| (last.effect.span)(&last.values));
+        Self { by_chance: event.map_or(0.0, |event| by_chance(problem, from, to, event)), ..self }
     }
 }
 
@@ -106,7 +112,7 @@ pub(super) struct Extended {
 impl Extended {
     fn of(candidate: &Candidate, trial: &Trial) -> Option<Self> {
         let refitted = trial.refitted()?.clone();
-        let odds = Odds { tries: candidate.tries, by_chance: candidate.by_chance, taken: NOT_YET };
+        let odds = Odds { tries: candidate.tries, by_chance: 0.0, taken: NOT_YET };
         let ended = !matches!(trial, Trial::Begun(_));
         Some(Self { refitted, odds, ended })
     }
@@ -209,7 +215,7 @@ impl Around {
         let (_, values) = starts.into_par_iter().filter_map(score).max_by(|a, b| a.0.total_cmp(&b.0))?;
         let gain = from.log_likelihood - self.at.log_likelihood;
         let entry = Entry { effect, values: values.clone() };
-        Some(Tried::new(Candidate { entry, from: values, gain, tries, by_chance: 0.0 }, true))
+        Some(Tried::new(Candidate { entry, from: values, gain, tries }, true))
     }
 
     /// As far as ranks them.

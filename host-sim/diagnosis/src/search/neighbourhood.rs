@@ -7,7 +7,7 @@ use crate::problem::Problem;
 
 use super::around::{Around, Extended, Odds, REFITTED};
 use super::{Forward, Found, LEVEL_OF_A_STEP, MOST_EFFECTS, Rejected, Rival, SMALLEST_GAIN};
-use super::{gain, is_part_of_it, nuisances, p_value, priced};
+use super::{gain, is_crossed, is_part_of_it, nuisances, p_value, priced};
 
 /// Swaps of an entry for another effect that are followed: each effect of the largest hypothesis once.
 const MOST_SWAPS: usize = MOST_EFFECTS;
@@ -91,7 +91,9 @@ impl<'a> Neighbourhood<'a> {
         let gain = gain(self.problem, &self.best, &without, at);
         let rise = self.best.assessed.refitted.log_likelihood - without.assessed.refitted.log_likelihood;
         let p = p_value(&self.best.assessed, at, rise, self.tried[at]);
-        let certain = p <= LEVEL_OF_A_STEP && self.best.assessed.away_from_neutral(self.problem, at);
+        let certain = p <= LEVEL_OF_A_STEP
+            && is_crossed(self.problem, &self.best, &without, at)
+            && self.best.assessed.away_from_neutral(self.problem, at);
         if !certain || gain < SMALLEST_GAIN {
             let effect = self.best.assessed.refitted.hypothesis.entries[at].effect;
             self.rejected.push(Rejected {
@@ -160,7 +162,9 @@ impl<'a> Neighbourhood<'a> {
         let rival = |Extended { refitted, odds, .. }: Extended| {
             let (rise, last) = (refitted.log_likelihood - floor, refitted.hypothesis.entries.len() - 1);
             let rival = Step::new(problem, refitted)?;
-            let relevant = gain(problem, &rival, without, last) >= SMALLEST_GAIN;
+            let relevant =
+                gain(problem, &rival, without, last) >= SMALLEST_GAIN && is_crossed(problem, &rival, without, last);
+            let odds = odds.beside_chance(problem, &without.assessed.refitted.hypothesis, &rival.assessed.refitted);
             (relevant && p_value(&rival.assessed, last, rise, odds) < LEVEL_OF_A_STEP).then_some(rival)
         };
         (found.into_iter().filter_map(rival).collect(), ended)

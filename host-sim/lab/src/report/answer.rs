@@ -180,7 +180,7 @@ pub struct Interval {
 /// Evidence of one effect.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Evidence {
-    /// Relative fall of the held-out root mean square that this effect brings, 1.
+    /// Share of the held-out root mean square without this effect that it accounts for, by what predictions with and without it differ, 1.
     pub heldout_gain: f64,
     /// Corrected for every variant tried.
     pub p_value: f64,
@@ -252,7 +252,7 @@ pub struct Region {
 pub struct Rejected {
     /// Identifier.
     pub id: String,
-    /// Relative fall of the held-out root mean square it would bring, 1; none where its log-likelihood is not worth its values.
+    /// Share of the held-out root mean square that it would account for, 1; none where its log-likelihood is not worth its values.
     pub heldout_gain: Option<f64>,
     /// Why not.
     pub why: String,

@@ -116,7 +116,7 @@ fn write_effect(text: &mut String, effect: &EffectAnswer) -> std::fmt::Result {
     let e = effect.evidence;
     writeln!(
         text,
-        "  held-out error up to {} % less with it than without it, p = {:.1e}",
+        "  accounts for up to {} % of the held-out error without it, p = {:.1e}",
         per_cent(e.heldout_gain),
         e.p_value
     )?;

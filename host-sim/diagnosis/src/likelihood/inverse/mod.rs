@@ -202,10 +202,10 @@ impl Prepared {
             let whole = (start..=end).all(|row| !recorded.skipped[row] && (row == start || !recorded.after_gap[row]));
             if whole {
                 let mut x = states[start];
-                let mut window = Window { start, rows: horizon, squares: 0.0, expected: 0.0 };
+                let mut window = Window::new(start, horizon);
                 for row in start..end {
                     x = self.behind_row(x, &driven, row);
-                    window.squares += (recorded.position[row + 1] - self.seen(x[0]).0).powi(2);
+                    window.push(recorded.position[row + 1] - self.seen(x[0]).0);
                     let t_s = recorded.t_s[row + 1] - recorded.t_s[start];
                     window.expected += noise.sensor_sd * noise.sensor_sd
                         + (motion.speed_sd * t_s).powi(2)

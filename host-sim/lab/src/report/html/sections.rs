@@ -31,7 +31,7 @@ fn effect(effect: &EffectAnswer) -> String {
         table("Values in the improved model", &["parameter", "value", "95 % interval", "unit"], rows.collect());
     let evidence = &effect.evidence;
     let because = format!(
-        "<p class=\"quiet\">Held-out error up to {} % less with it than without it; p {} after correction for everything \
+        "<p class=\"quiet\">Accounts for up to {} % of the held-out error without it; p {} after correction for everything \
          tried.</p>",
         per_cent(evidence.heldout_gain),
         text(&p_value(evidence.p_value)),
