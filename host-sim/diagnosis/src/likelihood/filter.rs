@@ -216,11 +216,10 @@ impl Prepared {
             let (seen, slope) = self.seen(x[POSITION]);
             let innovation = recorded.position[row] - seen - x[ROUNDING];
             let mut variance = seen_variance(&p, slope, noise);
-            let share = lost.after(innovation, variance);
-            if share > 0.0 {
+            if lost.after(innovation, variance) {
                 let since_s = recorded.t_s[row] - recorded.t_s[row - LOST_ROWS.min(row)];
-                p[POSITION][POSITION] += share * innovation * innovation;
-                p[SPEED][SPEED] += share * (innovation / since_s.max(f64::MIN_POSITIVE)).powi(2);
+                p[POSITION][POSITION] += innovation * innovation;
+                p[SPEED][SPEED] += (innovation / since_s.max(f64::MIN_POSITIVE)).powi(2);
                 variance = seen_variance(&p, slope, noise);
             }
             let per_sd = variance.sqrt().recip();
@@ -300,22 +299,27 @@ fn seen_variance<const N: usize>(p: &[[f64; N]; N], slope: f64, noise: &Noise) -
 /// innovations three have a probability below 1e-13.
 const LOST_ROWS: usize = 3;
 
-/// Innovations that the belief held impossible: how far each of the last rows' was beyond the Huber limit, with its sign.
+/// Counts innovations that the belief held impossible.
 #[derive(Debug, Default)]
 struct Lost {
-    beyond: [f64; LOST_ROWS],
+    rows: usize,
+    sign: f64,
 }
 
 impl Lost {
-    /// How far the belief has lost the rotor, 0 to 1, with this innovation the last of several: all of it where all were on one side a
-    /// standard deviation and more beyond the limit. It grows from nothing with each of them, so that the likelihood has no step where
-    /// one passes the limit, however steep it is there.
-    fn after(&mut self, innovation: f64, variance: f64) -> f64 {
-        let share = (innovation.abs() / variance.sqrt() - HUBER).clamp(0.0, 1.0);
-        self.beyond.rotate_left(1);
-        self.beyond[LOST_ROWS - 1] = share.copysign(innovation);
-        let side = innovation.signum();
-        self.beyond.iter().map(|beyond| (beyond * side).max(0.0)).product()
+    /// Whether the belief has lost the rotor, with this innovation the last of several; it counts anew then.
+    fn after(&mut self, innovation: f64, variance: f64) -> bool {
+        if innovation * innovation <= HUBER * HUBER * variance {
+            self.rows = 0;
+            return false;
+        }
+        self.rows = if innovation.signum() == self.sign { self.rows + 1 } else { 1 };
+        self.sign = innovation.signum();
+        let lost = self.rows >= LOST_ROWS;
+        if lost {
+            self.rows = 0;
+        }
+        lost
     }
 }
 
@@ -350,26 +354,5 @@ impl Start {
             torque_rms,
             settling_s: length_s,
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// How far a belief is lost by three innovations of that size, in standard deviations.
-    fn lost(sizes: [f64; 3]) -> f64 {
-        let mut lost = Lost::default();
-        sizes.map(|size| lost.after(size, 1.0))[2]
-    }
-
-    #[test]
-    fn a_belief_is_lost_by_three_on_one_side_and_gradually() {
-        assert_eq!(lost([6.0, 6.0, 6.0]), 1.0);
-        assert_eq!(lost([6.0, -6.0, 6.0]), 0.0);
-        assert_eq!(lost([6.0, 6.0, 4.0]), 0.0);
-        assert_eq!(lost([f64::NAN, 6.0, 6.0]), 0.0);
-        assert!((lost([6.0, 6.0, 4.1]) - 0.1).abs() < 1e-12);
-        assert!((lost([4.5, 4.5, 4.5]) - 0.125).abs() < 1e-12);
     }
 }
