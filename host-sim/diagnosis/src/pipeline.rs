@@ -297,8 +297,7 @@ fn named(problem: &Problem, found: &Found) -> (Vec<Named>, Vec<Hypothesis>) {
             recording: (entry.effect.span)(&entry.values).map(|(recording, ..)| recording),
         });
     }
-    // What an event brings is told around it, and is no measure beside what holds everywhere.
-    effects.sort_by(|a, b| a.recording.is_some().cmp(&b.recording.is_some()).then(b.gain.total_cmp(&a.gain)));
+    effects.sort_by(|a, b| b.gain.total_cmp(&a.gain));
     in_the_set.sort_by(|a, b| a.0.total_cmp(&b.0));
     let others = in_the_set.into_iter().map(|(_, hypothesis)| hypothesis);
     (effects, std::iter::once(best.refitted.hypothesis.clone()).chain(others).collect())
