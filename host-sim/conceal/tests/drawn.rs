@@ -68,22 +68,34 @@ fn any_stretch_of_seeds_has_machines_of_all_kinds_finite_and_the_same_again() {
     }
 }
 
+/// The kinds that a family with that index comes up with in three seeds.
+fn kinds_of(index: usize, family: &'static str) -> Vec<String> {
+    let of_seed = |seed: u64| {
+        let blueprint = Drawn { arm: Arm::Outside, effects: 0, decoy: None, families: vec![family] };
+        let case = Case::of(700_000 + 10 * index as u64 + seed, blueprint).unwrap();
+        let [effect] = &case.truth.effects[..] else { panic!("one effect") };
+        assert_eq!(case.truth.machine.as_ref().unwrap().families, [family]);
+        assert!((0.5..=20.0).contains(&effect.size) && !effect.in_vocabulary, "{effect:?}");
+        effect.id.clone()
+    };
+    (0..3).map(of_seed).collect()
+}
+
 #[test]
 fn every_kind_outside_and_every_effect_of_the_vocabulary_comes_up_and_runs() {
-    // The kinds of one family after another: what the draws of many rounds meet.
-    let mut seen: BTreeMap<String, usize> = BTreeMap::new();
-    for (index, family) in conceal::outside::families().into_iter().enumerate() {
-        for seed in 0..3 {
-            let blueprint = Drawn { arm: Arm::Outside, effects: 0, decoy: None, families: vec![family] };
-            let case = Case::of(700_000 + 10 * index as u64 + seed, blueprint).unwrap();
-            let [effect] = &case.truth.effects[..] else { panic!("one effect") };
-            assert_eq!(case.truth.machine.as_ref().unwrap().families, [family]);
-            assert!((0.5..=20.0).contains(&effect.size) && !effect.in_vocabulary, "{effect:?}");
-            *seen.entry(effect.id.clone()).or_default() += 1;
-        }
-    }
+    // The kinds of one family after another: what the draws of many rounds meet. On two cores, for it is the longest test here.
+    let families: Vec<(usize, &'static str)> = conceal::outside::families().into_iter().enumerate().collect();
+    let of = |some: &[(usize, &'static str)]| -> BTreeSet<String> {
+        some.iter().flat_map(|&(index, family)| kinds_of(index, family)).collect()
+    };
+    let (first, second) = families.split_at(families.len() / 2);
+    let seen = std::thread::scope(|scope| {
+        let beside = scope.spawn(|| of(first));
+        &of(second) | &beside.join().unwrap()
+    });
     println!("{} of {} kinds", seen.len(), conceal::outside::kinds().count());
-    assert!(seen.len() >= 25);
+    // All but those whose sizes jump past what is asked for: 103 of 124 when this was written.
+    assert!(seen.len() >= 100, "{seen:?}");
 }
 
 #[test]
