@@ -1,5 +1,7 @@
 //! What the diagnosis takes of a recording.
 
+use std::ops::Range;
+
 use plant::Command;
 use recording::{Mode, Recording};
 
@@ -49,6 +51,11 @@ impl Recorded {
             skipped,
             after_gap,
         }
+    }
+
+    /// Rows from a time up to another one, s.
+    pub(crate) fn rows_between(&self, from_s: f64, to_s: f64) -> Range<usize> {
+        self.t_s.partition_point(|t| *t < from_s)..self.t_s.partition_point(|t| *t < to_s)
     }
 
     /// The same without residuals where commands of before the first row may still act: that the first one was held before, as it is

@@ -244,10 +244,11 @@ fn not_taken(problem: &Problem, from: &Step, Extended { refitted: to, odds, .. }
     let next = if worth_it && !problem.is_spent() { Step::new(problem, to) } else { None };
     let gain = next.as_ref().map(|next| self::gain(problem, next, from, entry));
     let certain = next.zip(gain).is_some_and(|(next, gain)| {
-        let odds = odds.beside_chance(problem, &from.assessed.refitted.hypothesis, &next.assessed.refitted);
+        // Two passes more tell how often chance has an event: asked last.
+        let odds = || odds.beside_chance(problem, &from.assessed.refitted.hypothesis, &next.assessed.refitted);
         is_part_of_it(effect, gain)
             && is_crossed(problem, &next, from, entry)
-            && p_value(&next.assessed, entry, rise, odds) < LEVEL_OF_A_STEP
+            && p_value(&next.assessed, entry, rise, odds()) < LEVEL_OF_A_STEP
     });
     Some(Rejected { effect, rise, gain, certain })
 }
@@ -302,8 +303,7 @@ pub(crate) fn gain(problem: &Problem, with: &Step, without: &Step, entry: usize)
     }
     let span = (entry.effect.span)(&entry.values);
     let at_the_event = span.and_then(|(recording, from_s, to_s)| {
-        let t_s = &problem.recordings.get(recording)?.t_s;
-        let rows = t_s.partition_point(|t| *t < from_s)..t_s.partition_point(|t| *t < to_s);
+        let rows = problem.recordings.get(recording)?.rows_between(from_s, to_s);
         Some(with.windows.fall_at(&without.windows, recording, &rows))
     });
     at_the_event.unwrap_or_else(|| match problem.motions.is_empty() {

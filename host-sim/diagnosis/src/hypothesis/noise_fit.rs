@@ -13,39 +13,42 @@ use crate::problem::Problem;
 /// The noise of each recording under which a machine is most likely, searched from `from` in steps of 2^`octaves` downwards for
 /// those of `which` and as it is for the others. Noise without a memory gets none.
 pub fn noise_of(problem: &Problem, physics: &Physics, from: &[Noise], octaves: f64, which: Range<usize>) -> Vec<Noise> {
-    let one = |(index, from): (usize, &Noise)| {
-        let found = which.contains(&index).then(|| noise_of_one(problem, physics, index, from, octaves));
-        found.flatten().unwrap_or(*from)
-    };
-    from.par_iter().enumerate().map(one).collect()
+    each(from, which, |index, from| {
+        let (prepared, acting) = prepare(problem, physics, index)?;
+        if let Some(motion) = problem.motions.get(index) {
+            let residual = residual(problem, index, motion, &prepared, &acting);
+            return Some(prepared.likeliest_noise(motion, &problem.recordings[index], &residual));
+        }
+        Some(Stretches::excerpt(problem, index, &prepared, &acting).likeliest(*from, octaves).0)
+    })
 }
 
-fn noise_of_one(problem: &Problem, physics: &Physics, index: usize, from: &Noise, octaves: f64) -> Option<Noise> {
-    let (prepared, acting) = prepare(problem, physics, index)?;
-    if let Some(motion) = problem.motions.get(index) {
-        let residual = residual(problem, index, motion, &prepared, &acting);
-        return Some(prepared.likeliest_noise(motion, &problem.recordings[index], &residual));
-    }
-    let excerpt = Excerpt { problem, index, prepared: &prepared, acting: &acting, stretches: &problem.excerpts[index] };
-    Some(excerpt.likeliest(*from, octaves).0)
-}
-
-/// The same from near by, on all rows of each of `which` and in small steps: what is left over among numbers that an excerpt hardly tells apart
-/// was worth eight units of a held-out recording between two hypotheses that predict the same.
+/// The same from near by, on all rows and in small steps: what is left over among numbers that an excerpt hardly tells apart was
+/// worth eight units of a held-out recording between two hypotheses that predict the same. Where the motion is given it stays, for all rows have
+/// told it.
 pub(super) fn noise_on_all_rows(
     problem: &Problem,
     physics: &Physics,
     from: &[Noise],
     which: Range<usize>,
 ) -> Vec<Noise> {
-    let one = |(index, from): (usize, &Noise)| {
-        if !which.contains(&index) || problem.motions.get(index).is_some() {
-            return *from;
+    each(from, which, |index, from| {
+        if problem.motions.get(index).is_some() {
+            return None;
         }
-        let Some((prepared, acting)) = prepare(problem, physics, index) else { return *from };
+        let (prepared, acting) = prepare(problem, physics, index)?;
         let all = 0..problem.recordings[index].rows();
-        let (prepared, acting, stretches) = (&prepared, &acting, std::slice::from_ref(&all));
-        Excerpt { problem, index, prepared, acting, stretches }.likeliest(*from, FINEST_OCTAVES).0
+        let rows = std::slice::from_ref(&all);
+        let stretches = Stretches { rows, ..Stretches::excerpt(problem, index, &prepared, &acting) };
+        Some(stretches.likeliest(*from, FINEST_OCTAVES).0)
+    })
+}
+
+/// What `estimate` makes of the noise of each of `which`; the others, and where it makes nothing, as they are.
+fn each(from: &[Noise], which: Range<usize>, estimate: impl Fn(usize, &Noise) -> Option<Noise> + Sync) -> Vec<Noise> {
+    let one = |(index, from): (usize, &Noise)| {
+        let found = which.contains(&index).then(|| estimate(index, from));
+        found.flatten().unwrap_or(*from)
     };
     from.par_iter().enumerate().map(one).collect()
 }
@@ -61,8 +64,7 @@ const WHITE_AT_FIRST: f64 = 0.25;
 /// The same with a memory for the torque noise of each recording in which that makes a machine likelier by more than two numbers
 /// are worth (Schwarz 1978). Where the motion is given, whole test functions average over it, and it stays white.
 pub fn coloured_noise(problem: &Problem, physics: &Physics, from: &[Noise]) -> Vec<Noise> {
-    let one = |(index, from): (usize, &Noise)| coloured_one(problem, physics, index, from).unwrap_or(*from);
-    from.par_iter().enumerate().map(one).collect()
+    each(from, 0..from.len(), |index, from| coloured_one(problem, physics, index, from))
 }
 
 fn coloured_one(problem: &Problem, physics: &Physics, index: usize, from: &Noise) -> Option<Noise> {
@@ -70,7 +72,7 @@ fn coloured_one(problem: &Problem, physics: &Physics, index: usize, from: &Noise
         return None;
     }
     let (prepared, acting) = prepare(problem, physics, index)?;
-    let excerpt = Excerpt { problem, index, prepared: &prepared, acting: &acting, stretches: &problem.excerpts[index] };
+    let excerpt = Stretches::excerpt(problem, index, &prepared, &acting);
     let period_s = problem.recordings[index].period_s();
     let start = |memory_s: f64| {
         let sd = ((1.0 - WHITE_AT_FIRST) * from.torque_density / (2.0 * memory_s)).sqrt();
@@ -80,7 +82,7 @@ fn coloured_one(problem: &Problem, physics: &Physics, index: usize, from: &Noise
     let scored = starts.map(|noise| (excerpt.score(&noise), noise));
     let (_, first) = scored.max_by(|a, b| a.0.total_cmp(&b.0))?;
     let (found, top) = excerpt.likeliest(first, 1.0);
-    let rows = excerpt.rows();
+    let rows = excerpt.many();
     (top > excerpt.score(from) + (rows.max(2) as f64).ln()).then_some(found)
 }
 
@@ -89,9 +91,8 @@ fn coloured_one(problem: &Problem, physics: &Physics, index: usize, from: &Noise
 pub(crate) fn over_excerpts(problem: &Problem, physics: &Physics, noise: &[Noise]) -> Option<f64> {
     let one = |index: usize| {
         let (prepared, acting) = prepare(problem, physics, index)?;
-        let excerpt =
-            Excerpt { problem, index, prepared: &prepared, acting: &acting, stretches: &problem.excerpts[index] };
-        let scale = problem.recordings[index].rows() as f64 / excerpt.rows().max(1) as f64;
+        let excerpt = Stretches::excerpt(problem, index, &prepared, &acting);
+        let scale = problem.recordings[index].rows() as f64 / excerpt.many().max(1) as f64;
         Some(scale * excerpt.score(&noise[index])).filter(|score| score.is_finite())
     };
     (0..problem.fitted).into_par_iter().map(one).sum()
@@ -111,29 +112,34 @@ fn top_of_parabola(up: f64, down: f64) -> f64 {
 }
 
 /// The rows of a recording that its noise is estimated on, under one machine.
-struct Excerpt<'a> {
+struct Stretches<'a> {
     problem: &'a Problem,
     index: usize,
     prepared: &'a Prepared,
     acting: &'a Acting,
-    stretches: &'a [Range<usize>],
+    rows: &'a [Range<usize>],
 }
 
-impl Excerpt<'_> {
-    /// Number of them.
-    fn rows(&self) -> usize {
-        self.stretches.iter().map(Range::len).sum()
+impl<'a> Stretches<'a> {
+    /// The excerpt.
+    fn excerpt(problem: &'a Problem, index: usize, prepared: &'a Prepared, acting: &'a Acting) -> Self {
+        Self { problem, index, prepared, acting, rows: &problem.excerpts[index] }
+    }
+
+    /// Number of rows.
+    fn many(&self) -> usize {
+        self.rows.iter().map(Range::len).sum()
     }
 
     fn score(&self, noise: &Noise) -> f64 {
-        let Self { problem, index, prepared, acting, stretches } = *self;
+        let Self { problem, index, prepared, acting, rows } = *self;
         let substeps = problem.grids[index].substeps() / problem.recordings[index].rows().max(1);
         let of = |rows: &Range<usize>| -> f64 {
             let driven = Driven { rows: rows.clone(), ..driven(problem, index, acting) };
             problem.spend(prepared.cost(noise) * rows.len() * substeps);
             prepared.run(driven, noise).log_likelihood.iter().sum()
         };
-        let sum: f64 = stretches.iter().map(of).sum();
+        let sum: f64 = rows.iter().map(of).sum();
         if sum.is_finite() { sum } else { f64::NEG_INFINITY }
     }
 

@@ -45,17 +45,21 @@ pub(crate) fn by_chance(problem: &Problem, without: &Hypothesis, with: &Refitted
         Some(sums(problem, &of_recording(problem, &path, recording, &path.recordings[recording])))
     };
     let tail = Tail::of(problem);
-    let beside = if tail == Tail::Exponential { &with.hypothesis } else { without };
-    let (Some(before), Some(beside)) = (sums_of(without), sums_of(beside)) else { return 1.0 };
-    let t_s = &problem.recordings[recording].t_s;
-    let rows = t_s.partition_point(|t| *t < from_s)..t_s.partition_point(|t| *t < to_s);
+    let Some(before) = sums_of(without) else { return 1.0 };
+    let beside = match tail {
+        Tail::Exponential => sums_of(&with.hypothesis),
+        Tail::Heavy => Some(before.clone()),
+    };
+    let Some(beside) = beside else { return 1.0 };
+    let rows = problem.recordings[recording].rows_between(from_s, to_s);
     let chance = |(before, mut beside): (Sums, Sums)| {
         let meets = rows.start.saturating_sub(before.many)..rows.end.min(before.sizes.len());
         let of_the_event = before.sizes.get(meets.clone())?.iter().copied().reduce(f64::max)?;
         let near = meets.start.saturating_sub(beside.distance)..(meets.end + beside.distance).min(beside.sizes.len());
         beside.sizes[near].fill(0.0);
         let others = apart(&beside.sizes, beside.distance).into_iter().take(TAIL).map(|at| beside.sizes[at]);
-        Some(tail.chance(&std::iter::once(of_the_event).chain(others.filter(|size| *size > 0.0)).collect::<Vec<_>>()))
+        let sizes: Vec<f64> = std::iter::once(of_the_event).chain(others.filter(|size| *size > 0.0)).collect();
+        Some(tail.chance(&sizes))
     };
     let least = before.into_iter().zip(beside).filter_map(chance).fold(1.0, f64::min);
     // An event stands out in a stretch of one length, and how long it is the likelihood knows better.
@@ -64,6 +68,7 @@ pub(crate) fn by_chance(problem: &Problem, without: &Hypothesis, with: &Refitted
 }
 
 /// Sums of what is missing in one recording over windows of one length.
+#[derive(Clone)]
 struct Sums {
     /// Rows of a window.
     many: usize,
@@ -132,7 +137,7 @@ fn apart(windows: &[f64], rows: usize) -> Vec<usize> {
 const TAIL: usize = 12;
 
 /// What chance has at most.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy)]
 enum Tail {
     /// Where the motion is predicted.
     Exponential,
