@@ -215,6 +215,11 @@ impl Problem {
         self.work.spent()
     }
 
+    /// Substeps of one pass over all recordings.
+    pub fn substeps(&self) -> u64 {
+        self.grids.iter().map(|grid| grid.substeps() as u64).sum()
+    }
+
     /// Work as it is done on this problem and all that come of it.
     pub fn tally(&self) -> &Tally {
         &self.tally

@@ -89,9 +89,11 @@ fn text(place: &Place, from: u64, in_stage_s: f64, gone_s: u64) -> String {
     let left = match place.end {
         End::Unknown => String::new(),
         // It has taken more than it may and ends with what it has begun.
-        End::AtMost { steps, to } if place.done >= steps => format!(", about to come to {to}"),
-        End::AtMost { steps, to } => {
-            left_of(steps).map_or_else(String::new, |left| format!(", at most {left} to {to}"))
+        End::AtMost { steps, to, .. } if place.done >= steps => format!(", about to come to {to}"),
+        End::AtMost { steps, usually, to } => {
+            let usually = left_of(usually).filter(|_| place.done < usually);
+            let usually = usually.map_or_else(String::new, |left| format!(", usually {left}"));
+            left_of(steps).map_or_else(String::new, |left| format!("{usually}, at most {left} to {to}"))
         }
         End::Exactly(steps) => {
             let left = left_of(steps).map_or_else(String::new, |left| format!(", about {left} left"));
@@ -111,13 +113,14 @@ mod tests {
 
     #[test]
     fn the_time_left_is_told_once_a_speed_is_known_and_as_a_bound_where_it_is_one() {
-        let at_most = End::AtMost { steps: 400, to: "the verdict" };
+        let at_most = End::AtMost { steps: 400, usually: 150, to: "the verdict" };
         assert_eq!(text(&place(7, End::Unknown), 0, 9.0, 9), ": search, 9 s gone");
         assert_eq!(text(&place(3, at_most), 0, 0.5, 2), ": search, 2 s gone");
         assert_eq!(text(&place(0, at_most), 0, 5.0, 7), ": search, 7 s gone");
         // A hundred in ten seconds: of the rest of two hundred, as many were there before.
         assert_eq!(text(&place(200, at_most), 100, 10.0, 12), ": search, 12 s gone, at most 20 s to the verdict");
-        assert_eq!(text(&place(10, at_most), 0, 10.0, 12), ": search, 12 s gone, at most 7 min to the verdict");
+        let both = ": search, 12 s gone, usually 3 min, at most 7 min to the verdict";
+        assert_eq!(text(&place(10, at_most), 0, 10.0, 12), both);
         assert_eq!(text(&place(401, at_most), 0, 10.0, 12), ": search, 12 s gone, about to come to the verdict");
         assert_eq!(text(&place(3, End::Exactly(9)), 0, 6.0, 8), ": search, 3 of 9, 8 s gone, about 12 s left");
         assert_eq!(text(&place(0, End::Exactly(9)), 0, 6.0, 8), ": search, 0 of 9, 8 s gone");

@@ -89,8 +89,10 @@ fn the_count_of_work_rises_through_search_and_estimate_and_changes_no_answer() {
     let working: Vec<&Place> = seen.iter().filter(|place| ["search", "estimate"].contains(&place.stage)).collect();
     assert!(working.is_sorted_by(|a, b| a.done <= b.done && a.end == b.end), "{working:?}");
     let (first, last) = (working[0], working[working.len() - 1]);
-    let End::AtMost { steps, .. } = first.end else { panic!("{first:?}") };
+    let End::AtMost { steps, usually, .. } = first.end else { panic!("{first:?}") };
     assert!(working.len() > 10 && first.done < last.done && last.done < steps, "{working:?}");
+    // What is usual is within a factor of ten of what it took.
+    assert!(usually < steps && last.done > usually / 10 && last.done < 10 * usually, "{usually}: {last:?}");
 }
 
 #[cfg(unix)]

@@ -50,6 +50,8 @@ pub enum End {
     AtMost {
         /// Steps.
         steps: u64,
+        /// Steps that it usually takes, no more than those.
+        usually: u64,
         /// What is there then.
         to: &'static str,
     },

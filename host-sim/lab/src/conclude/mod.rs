@@ -149,10 +149,15 @@ pub fn diagnose_on(request: &Request<'_>, course: &Course) -> Result<Diagnosis, 
     Ok(Diagnosis { answer, improved, nominal: problem.nominal, whitened, proposal, stages })
 }
 
+/// Passes over the recordings that a diagnosis usually is in all: the median of 49 tuning cases was 1900, half of them between 900 and 2800.
+const USUAL_PASSES: u64 = 1900;
+
 /// How far the search and the estimate are: a diagnosis seldom takes all the work that it may.
 fn searching(problem: &Problem) -> impl Fn() -> Place + Send + Sync + 'static {
     let tally = problem.tally().clone();
-    let end = End::AtMost { steps: tally.done() + WORK, to: "the verdict" };
+    let begun = tally.done();
+    let usually = begun + WORK.min(USUAL_PASSES * problem.substeps());
+    let end = End::AtMost { steps: begun + WORK, usually, to: "the verdict" };
     move || Place { stage: if tally.is_estimating() { "estimate" } else { "search" }, done: tally.done(), end }
 }
 
