@@ -130,7 +130,7 @@ pub fn assess(problem: &Problem, refitted: Refitted) -> Option<Assessed> {
 
 /// The noise of a recording stands in for what its model leaves out, such as the shape of a sensor's rounding: on three tuning recordings
 /// with known noise the likeliest torque density was one and a half to three times the true one. Values must not hang on that.
-const OTHER_NOISE: f64 = 0.5;
+pub(crate) const OTHER_NOISE: f64 = 0.5;
 
 impl Assessed {
     /// With what the values owe to the split of the noise between torque and sensor: the step they would take under another one.

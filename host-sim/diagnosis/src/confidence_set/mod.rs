@@ -10,8 +10,8 @@ use crate::problem::Problem;
 use crate::windows::WindowFit;
 
 pub use compare::{Comparison, LEVEL_OF_THE_SET, compare, excluded};
-pub(crate) use information::add_spread;
 pub use information::{Assessed, assess};
+pub(crate) use information::{OTHER_NOISE, add_spread};
 pub(crate) use intervals::SMALLEST_SIZE;
 pub use intervals::{Interval, TWO_SIDED_95, intervals, slopes};
 

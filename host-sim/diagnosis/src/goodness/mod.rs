@@ -4,6 +4,7 @@
 //! the hypothesis. Their score is tested (Rao 1948) with the spread that blocks of it show, so that nothing hangs on the noise model.
 
 mod channels;
+mod homogeneity;
 mod score_test;
 
 use rayon::prelude::*;
@@ -12,6 +13,7 @@ use crate::hypothesis::{Refitted, kept};
 use crate::problem::Problem;
 
 use channels::{Channel, channels};
+use homogeneity::by_recording;
 use score_test::Left;
 
 /// How well one channel predicts what is left.
@@ -50,6 +52,7 @@ pub fn predictors(problem: &Problem, refitted: &Refitted) -> Vec<Predictor> {
         })
     };
     let mut all: Vec<Predictor> = channels(problem, &path).par_iter().filter_map(test).collect();
+    all.extend(by_recording(problem, refitted));
     all.sort_by(|a, b| b.share.total_cmp(&a.share));
     all
 }
