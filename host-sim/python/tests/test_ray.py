@@ -17,14 +17,14 @@ ray = pytest.importorskip("ray")
 from ray.cluster_utils import Cluster  # noqa: E402
 from servo_lab import ray as servo_ray  # noqa: E402
 
-# More, as 24, show the time of a diagnosis on the cluster rather than that of its start.
+# More, as 49, show the time of a diagnosis on the cluster rather than that of its start, and of an odd row that nobody shares.
 ROWS = int(os.environ.get("FLEET_ROWS", "4"))
 
 
 @pytest.fixture(scope="module")
 def manifest(folder: Path) -> Path:
     """A row for each of two pairs of recordings over and over, and one whose file is not there."""
-    rows = [f"m.toml,{'ab'[row % 2]}.parquet,{'ba'[row % 2]}.parquet,2026-03-{row + 1:02}" for row in range(ROWS)]
+    rows = [f"m.toml,{'ab'[row % 2]}.parquet,{'ba'[row % 2]}.parquet,2026-03-{row % 28 + 1:02}" for row in range(ROWS)]
     rows[3] = "m.toml,missing.csv,,"
     file = folder / "fleet.csv"
     file.write_text("machine,recordings,holdout,date\n" + "\n".join(rows) + "\n")
@@ -76,7 +76,7 @@ def test_the_table_of_a_cluster_is_that_of_one_machine(
             f"per core {done / 2 / alone_s:.2f} and {done / 2 / ray_s:.2f} diagnoses/s ({100 * alone_s / ray_s:.0f} %)"
         )
     # A few rows show how long a cluster takes to begin, and not what a core does.
-    assert ROWS < 24 or alone_s / ray_s >= 0.9
+    assert ROWS < 49 or alone_s / ray_s >= 0.9
 
 
 def test_a_worker_that_is_killed_midway_changes_nothing(
