@@ -119,7 +119,7 @@ fn last_heard_ns(run: &Run) -> u64 {
 
 /// Times that each cause comes in a run of all tests; a run of the thousand takes 20 minutes on two cores, and up to 65
 /// on ones that have other things to do.
-const FEW: u64 = 4;
+const FEW: u64 = 2;
 
 #[test]
 fn every_cause_a_few_times() {
