@@ -6,8 +6,9 @@ mod common;
 use common::{Making, PLAIN, STEP_RAD, three};
 use diagnosis::effects::VOCABULARY;
 use diagnosis::physics::Physics;
-use diagnosis::pipeline::{Conclusion, diagnose};
+use diagnosis::pipeline::{Conclusion, Named, diagnose};
 use diagnosis::problem::Problem;
+use diagnosis::search::LEVEL_OF_A_STEP;
 use plant::effects::Harmonic;
 use plant::{Er, Model};
 
@@ -46,6 +47,9 @@ fn a_search_ends_after_the_work_it_is_allowed_and_says_so() {
         println!("allowed {allowed}: {work} spent, {} effects", conclusion.effects.len());
         assert!(conclusion.cut_short, "{work} of {allowed}");
         assert!(work <= allowed, "{work} of {allowed}");
+        // What is told was found by a test, whichever of them was the last.
+        let told = |one: &Named| one.p_value <= LEVEL_OF_A_STEP && one.gain > 0.0;
+        assert!(conclusion.effects.iter().all(told), "{:?}", conclusion.effects);
     }
 }
 

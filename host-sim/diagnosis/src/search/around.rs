@@ -60,26 +60,28 @@ enum Trial {
     Impossible,
     /// As near to its optimum as the search asks.
     Ended(Refitted),
-    /// As near as its share of the work took it.
-    Begun(Refitted),
+    /// As near as its share of the work took it, with the log-likelihood that the last of it brought.
+    Begun(Refitted, f64),
 }
 
 impl Trial {
     fn refitted(&self) -> Option<&Refitted> {
         match self {
             Self::NotMade | Self::Impossible => None,
-            Self::Ended(refitted) | Self::Begun(refitted) => Some(refitted),
+            Self::Ended(refitted) | Self::Begun(refitted, _) => Some(refitted),
         }
     }
 
-    /// Begins, or goes on from where it came to.
+    /// Begins, from that log-likelihood, or goes on from where it came to.
     fn go_on(
         &mut self,
         problem: &Problem,
         share: u64,
-        begin: impl FnOnce(&Problem) -> Option<Refitted>,
+        begin: (f64, impl FnOnce(&Problem) -> Option<Refitted>),
         on: impl FnOnce(&Problem, &Refitted) -> Option<Refitted>,
     ) {
+        let (first, begin) = begin;
+        let before = self.refitted().map_or(first, |refitted| refitted.log_likelihood);
         let (found, ended) = problem.sharing(share, |own| match self.refitted() {
             None => begin(own),
             Some(from) => on(own, from),
@@ -87,7 +89,10 @@ impl Trial {
         *self = match found {
             None => Self::Impossible,
             Some(refitted) if ended => Self::Ended(refitted),
-            Some(refitted) => Self::Begun(refitted),
+            Some(refitted) => {
+                let rise = (refitted.log_likelihood - before).max(0.0);
+                Self::Begun(refitted, rise)
+            }
         };
     }
 }
@@ -105,17 +110,27 @@ struct Tried {
 pub(super) struct Extended {
     pub(super) refitted: Refitted,
     pub(super) odds: Odds,
-    /// Whether it is as near to its optimum as the search asks, and not as near as its share of the work took it.
-    pub(super) ended: bool,
+    /// Log-likelihood by which it may still be short of its optimum, for all that is known: where its share of the work did not end it, what
+    /// the last of that brought, for steps of a refit bring less and less.
+    pub(super) open: f64,
 }
 
 impl Extended {
+    /// Whether it is known how it stands to a hypothesis of that log-likelihood: at its end, or farther behind than it may still rise.
+    pub(super) fn is_decided(&self, best: f64) -> bool {
+        is_decided(best - self.refitted.log_likelihood, self.open)
+    }
+
     fn of(candidate: &Candidate, trial: &Trial) -> Option<Self> {
         let refitted = trial.refitted()?.clone();
         let odds = Odds { tries: candidate.tries, by_chance: 0.0, taken: NOT_YET };
-        let ended = !matches!(trial, Trial::Begun(_));
-        Some(Self { refitted, odds, ended })
+        let open = if let Trial::Begun(_, rise) = trial { *rise } else { 0.0 };
+        Some(Self { refitted, odds, open })
     }
+}
+
+fn is_decided(behind: f64, open: f64) -> bool {
+    open == 0.0 || behind > open
 }
 
 /// A hypothesis with what is found around it.
@@ -171,7 +186,7 @@ impl Around {
             let mut followed: Vec<&mut Tried> =
                 ranked.drain(..REFITTED.min(ranked.len())).map(|(_, tried)| tried).collect();
             self.follow(problem, &mut followed);
-            found.extend(followed.iter().filter_map(|tried| Extended::of(&tried.candidate, &tried.followed)));
+            found.extend(followed.iter().filter_map(|tried| self.as_followed(tried)));
             found.extend(ranked.iter().filter_map(|(_, tried)| Extended::of(&tried.candidate, &tried.short)));
             found.sort_by(|a: &Extended, b| rank(&b.refitted).total_cmp(&rank(&a.refitted)));
         }
@@ -226,7 +241,8 @@ impl Around {
             starts,
             |tried| &tried.short,
             |own, share, Tried { candidate, short, .. }| {
-                short.go_on(own, share, |own| self.short(own, candidate), first_refit);
+                let begin = (self.at.log_likelihood, |own: &Problem| self.short(own, candidate));
+                short.go_on(own, share, begin, first_refit);
             },
         );
     }
@@ -248,6 +264,13 @@ impl Around {
         by(problem, start, &self.at.noise, FIRST_STEPS)
     }
 
+    /// What was followed; as far as ranked it, with all that brought still open, where the work was spent before it could be.
+    fn as_followed(&self, tried: &Tried) -> Option<Extended> {
+        let Trial::NotMade = tried.followed else { return Extended::of(&tried.candidate, &tried.followed) };
+        let short = Extended::of(&tried.candidate, &tried.short)?;
+        Some(Extended { open: short.refitted.log_likelihood - self.at.log_likelihood, ..short })
+    }
+
     /// To the optimum.
     fn follow(&self, problem: &Problem, found: &mut [&mut Tried]) {
         let on = |own: &Problem, from: &Refitted, noise: &[Noise]| refit(own, &from.hypothesis, noise, STEPS);
@@ -256,7 +279,8 @@ impl Around {
             found,
             |tried| &tried.followed,
             |own, share, Tried { short, followed, .. }| {
-                let begin = |own: &Problem| on(own, short.refitted()?, &self.at.noise);
+                let first = short.refitted().map_or(f64::NEG_INFINITY, |refitted| refitted.log_likelihood);
+                let begin = (first, |own: &Problem| on(own, short.refitted()?, &self.at.noise));
                 followed.go_on(own, share, begin, |own, from| on(own, from, &from.noise));
             },
         );
@@ -275,7 +299,7 @@ fn in_shares(
     trial: impl Fn(&Tried) -> &Trial + Sync,
     go_on: impl Fn(&Problem, u64, &mut Tried) + Sync,
 ) {
-    let open = |tried: &Tried| matches!(trial(tried), Trial::NotMade | Trial::Begun(_));
+    let open = |tried: &Tried| matches!(trial(tried), Trial::NotMade | Trial::Begun(..));
     for _ in 0..GOES {
         let many = all.iter().filter(|tried| open(tried)).count();
         if many == 0 || problem.left() == 0 {
@@ -333,4 +357,25 @@ fn first_few<'a>(tried: &'a mut [Tried], among: &[&'static Effect], price: f64) 
         seen.push(effect.id);
     }
     starts
+}
+
+#[cfg(test)]
+mod tests {
+    use super::is_decided;
+
+    #[test]
+    fn a_refit_that_did_not_end_is_decided_where_it_cannot_come_as_far() {
+        for (behind, open, decided) in [
+            (-5.0, 0.0, true),
+            (700.0, 0.0, true),
+            (700.0, 20.0, true),
+            (700.0, 900.0, false),
+            (-5.0, 20.0, false),
+            // A refit of which nothing is known.
+            (700.0, f64::INFINITY, false),
+            (f64::NAN, 20.0, false),
+        ] {
+            assert_eq!(is_decided(behind, open), decided, "{behind} {open}");
+        }
+    }
 }

@@ -104,15 +104,16 @@ impl<'a> Neighbourhood<'a> {
             });
             return self.moved(at, without, None);
         }
-        let (found, ended) = self.in_its_place(at, &without);
+        let (found, looked_at) = self.in_its_place(at, &without);
+        let (found, taken): (Vec<Step>, Vec<(f64, f64)>) = found.into_iter().unzip();
         let comparisons: Vec<Comparison> = found.iter().map(|rival| compare(self.problem, &self.best, rival)).collect();
         if let Some(other) = self.preferred(&found, &comparisons) {
-            let other = found[other].clone();
-            return self.moved(at, other, Some(Odds::of_one()));
+            let odds = Odds { taken: taken[other], ..Odds::of_one() };
+            return self.moved(at, found[other].clone(), Some(odds));
         }
         let rival = |(step, behind)| Rival { place: at, step, behind };
         self.rivals.extend(found.into_iter().zip(comparisons).map(rival));
-        self.stays((p, gain), ended && !self.problem.is_spent())
+        self.stays((p, gain), looked_at)
     }
 
     /// With the evidence of the next entry, and whether all that may stand in its place was looked at.
@@ -144,9 +145,10 @@ impl<'a> Neighbourhood<'a> {
         Looked::Moved
     }
 
-    /// Refits of what may stand in the place of an entry, and whether all that were begun came to their end. What does not explain
-    /// what is missing there by itself is no rival, however little tells it apart.
-    fn in_its_place(&mut self, at: usize, without: &Step) -> (Vec<Step>, bool) {
+    /// Refits of what may stand in the place of an entry, with their p-values and gains, and whether that was looked at: whether any was
+    /// refitted, or nothing is left to look for, and each came to its end or is farther behind than it may still rise. What does not
+    /// explain what is missing there by itself is no rival, however little tells it apart.
+    fn in_its_place(&mut self, at: usize, without: &Step) -> (Vec<(Step, (f64, f64))>, bool) {
         let problem = self.problem;
         let own = self.best.assessed.refitted.hypothesis.entries[at].effect;
         let others = self.vocabulary.iter().copied().filter(|effect| *effect != own);
@@ -157,17 +159,19 @@ impl<'a> Neighbourhood<'a> {
             false => self.with_the_others_as_they_are(at, without, &others).extended(problem, &others),
         };
         found.truncate(REFITTED);
-        let ended = found.iter().all(|one| one.ended);
+        let best = self.best.assessed.refitted.log_likelihood;
+        let looked_at = found.iter().all(|one| one.is_decided(best)) && !(found.is_empty() && problem.is_spent());
         let floor = without.assessed.refitted.log_likelihood;
         let rival = |Extended { refitted, odds, .. }: Extended| {
             let (rise, last) = (refitted.log_likelihood - floor, refitted.hypothesis.entries.len() - 1);
             let rival = Step::new(problem, refitted)?;
-            let relevant =
-                gain(problem, &rival, without, last) >= SMALLEST_GAIN && is_crossed(problem, &rival, without, last);
+            let gain = gain(problem, &rival, without, last);
+            let relevant = gain >= SMALLEST_GAIN && is_crossed(problem, &rival, without, last);
             let odds = odds.beside_chance(problem, &without.assessed.refitted.hypothesis, &rival.assessed.refitted);
-            (relevant && p_value(&rival.assessed, last, rise, odds) < LEVEL_OF_A_STEP).then_some(rival)
+            let p = p_value(&rival.assessed, last, rise, odds);
+            (relevant && p < LEVEL_OF_A_STEP).then_some((rival, (p, gain)))
         };
-        (found.into_iter().filter_map(rival).collect(), ended)
+        (found.into_iter().filter_map(rival).collect(), looked_at)
     }
 
     /// The best without an entry, the others at their values in it: refitted alone they have taken over what they can of it, and
