@@ -18,13 +18,16 @@ const FIRST_STEPS: usize = 2;
 /// Steps of one that goes to the optimum.
 const STEPS: usize = 10;
 
+/// p-value and gain of an entry.
+pub(super) type Evidence = (f64, f64);
+
 /// Among how many variants an effect was found, and how often chance has as much happen where it is an event.
 #[derive(Debug, Clone, Copy)]
 pub struct Odds {
     pub(super) tries: f64,
     pub(super) by_chance: f64,
-    /// p-value and gain when it was taken.
-    pub(super) taken: (f64, f64),
+    /// When it was taken.
+    pub(super) taken: Evidence,
 }
 
 impl Odds {
@@ -41,7 +44,7 @@ impl Odds {
 }
 
 /// Evidence of an entry that was put in without a test.
-const NOT_YET: (f64, f64) = (1.0, 0.0);
+const NOT_YET: Evidence = (1.0, 0.0);
 
 /// Number of free values.
 fn freedom(refitted: &Refitted) -> f64 {

@@ -5,7 +5,7 @@ use crate::effects::Effect;
 use crate::hypothesis::refit;
 use crate::problem::Problem;
 
-use super::around::{Around, Extended, Odds, REFITTED};
+use super::around::{Around, Evidence, Extended, Odds, REFITTED};
 use super::{Forward, Found, LEVEL_OF_A_STEP, MOST_EFFECTS, Rejected, Rival, SMALLEST_GAIN};
 use super::{gain, is_crossed, is_part_of_it, nuisances, p_value, priced};
 
@@ -20,7 +20,7 @@ pub(super) struct Neighbourhood<'a> {
     around_nominal: &'a mut Around,
     best: Step,
     tried: Vec<Odds>,
-    evidence: Vec<(f64, f64)>,
+    evidence: Vec<Evidence>,
     looked_at: Vec<bool>,
     rivals: Vec<Rival>,
     rejected: Vec<Rejected>,
@@ -105,7 +105,7 @@ impl<'a> Neighbourhood<'a> {
             return self.moved(at, without, None);
         }
         let (found, looked_at) = self.in_its_place(at, &without);
-        let (found, taken): (Vec<Step>, Vec<(f64, f64)>) = found.into_iter().unzip();
+        let (found, taken): (Vec<Step>, Vec<Evidence>) = found.into_iter().unzip();
         let comparisons: Vec<Comparison> = found.iter().map(|rival| compare(self.problem, &self.best, rival)).collect();
         if let Some(other) = self.preferred(&found, &comparisons) {
             let odds = Odds { taken: taken[other], ..Odds::of_one() };
@@ -117,7 +117,7 @@ impl<'a> Neighbourhood<'a> {
     }
 
     /// With the evidence of the next entry, and whether all that may stand in its place was looked at.
-    fn stays(&mut self, evidence: (f64, f64), looked_at: bool) -> Looked {
+    fn stays(&mut self, evidence: Evidence, looked_at: bool) -> Looked {
         self.evidence.push(evidence);
         self.looked_at.push(looked_at);
         if !looked_at {
@@ -145,10 +145,10 @@ impl<'a> Neighbourhood<'a> {
         Looked::Moved
     }
 
-    /// Refits of what may stand in the place of an entry, with their p-values and gains, and whether that was looked at: whether any was
+    /// Refits of what may stand in the place of an entry, each with its evidence, and whether that was looked at: whether any was
     /// refitted, or nothing is left to look for, and each came to its end or is farther behind than it may still rise. What does not
     /// explain what is missing there by itself is no rival, however little tells it apart.
-    fn in_its_place(&mut self, at: usize, without: &Step) -> (Vec<(Step, (f64, f64))>, bool) {
+    fn in_its_place(&mut self, at: usize, without: &Step) -> (Vec<(Step, Evidence)>, bool) {
         let problem = self.problem;
         let own = self.best.assessed.refitted.hypothesis.entries[at].effect;
         let others = self.vocabulary.iter().copied().filter(|effect| *effect != own);
