@@ -24,8 +24,6 @@ pub struct Named {
     pub nuisances: Vec<&'static Effect>,
     /// Whether one of those is as simple.
     pub standing: Standing,
-    /// Whether all that may stand in its place was compared with it within the work that is allowed.
-    pub compared: bool,
     /// Probability that chance brings as much, corrected for all that was tried.
     pub p_value: f64,
     /// Relative fall of the windows' root mean square.
@@ -275,9 +273,9 @@ fn named(problem: &Problem, found: &Found) -> (Vec<Named>, Vec<Hypothesis>) {
         let told = |other: &Effect| !problem.nominal.indistinct(entry.effect, other);
         let others = alike.iter().filter(|(.., other)| told(other));
         in_the_set.extend(others.clone().map(|(difference, hypothesis, ..)| (*difference, (*hypothesis).clone())));
-        let compared = found.looked_at.get(at) == Some(&true);
         let standing = match others.map(|(_, _, freedom, _)| *freedom).min() {
-            _ if !nuisances.is_empty() || !compared || best.collinear(at) > MOST_COLLINEAR => Standing::Contested,
+            _ if found.looked_at.get(at) != Some(&true) => Standing::NotCompared,
+            _ if !nuisances.is_empty() || best.collinear(at) > MOST_COLLINEAR => Standing::Contested,
             None => Standing::Certain,
             Some(fewest) if fewest > best.freedom() => Standing::CertainBySimplicity,
             Some(_) => Standing::Contested,
@@ -290,7 +288,6 @@ fn named(problem: &Problem, found: &Found) -> (Vec<Named>, Vec<Hypothesis>) {
             equivalent: equivalent(problem, entry.effect, alike.iter().map(|(.., other)| *other)),
             nuisances,
             standing,
-            compared,
             p_value,
             gain,
             recording: (entry.effect.span)(&entry.values).map(|(recording, ..)| recording),

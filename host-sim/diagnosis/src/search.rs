@@ -25,6 +25,9 @@ pub const LEVEL_OF_A_STEP: f64 = 0.01;
 /// Smallest improvement of the windows that is worth a name (diagnosis.md: at least 3 % less held-out error).
 pub const SMALLEST_GAIN: f64 = 0.03;
 
+/// Of an entry its p-value, corrected for all that was tried, and the gain of its windows.
+pub type Evidence = (f64, f64);
+
 /// What a search tried and found.
 #[derive(Debug)]
 pub struct Found {
@@ -34,8 +37,8 @@ pub struct Found {
     pub best: Step,
     /// For each entry of the best whether all its rivals were looked at, and not what the budget of work left of them.
     pub looked_at: Vec<bool>,
-    /// For each entry of the best its p-value, corrected for all that was tried, and the gain of its windows.
-    pub evidence: Vec<(f64, f64)>,
+    /// Of each entry of the best.
+    pub evidence: Vec<Evidence>,
     /// Hypotheses beside the best.
     pub rivals: Vec<Rival>,
     /// What was refitted beside the best and not taken.

@@ -24,12 +24,15 @@ pub enum Standing {
     CertainBySimplicity,
     /// Another effect with as few free values predicts the same.
     Contested,
+    /// The work that is allowed ended before all that may stand in its place was compared with it.
+    NotCompared,
 }
 
 /// Decides. `entries` are those of the best hypothesis, none for the nominal machine; `left` is whether what remains is
 /// predictable and larger than the sensor's step.
 pub fn verdict(entries: &[Standing], left: bool) -> Verdict {
-    let certain = entries.iter().filter(|standing| **standing != Standing::Contested).count();
+    let is_certain = |one: &&Standing| matches!(one, Standing::Certain | Standing::CertainBySimplicity);
+    let certain = entries.iter().filter(is_certain).count();
     match (entries.len(), certain, left) {
         (0, _, false) => Verdict::None,
         (0, _, true) => Verdict::Unknown,
@@ -42,12 +45,12 @@ pub fn verdict(entries: &[Standing], left: bool) -> Verdict {
 
 #[cfg(test)]
 mod tests {
-    use super::Standing::{Certain, CertainBySimplicity, Contested};
+    use super::Standing::{Certain, CertainBySimplicity, Contested, NotCompared};
     use super::*;
 
     #[test]
     fn every_case_of_the_specification() {
-        let table: [(&[Standing], bool, Verdict); 10] = [
+        let table: [(&[Standing], bool, Verdict); 13] = [
             (&[], false, Verdict::None),
             (&[], true, Verdict::Unknown),
             (&[Certain], false, Verdict::Named),
@@ -58,6 +61,9 @@ mod tests {
             (&[Certain, Contested], false, Verdict::Ambiguous),
             (&[Certain, Contested], true, Verdict::Ambiguous),
             (&[Certain, CertainBySimplicity], true, Verdict::Partial),
+            (&[NotCompared], false, Verdict::Ambiguous),
+            (&[NotCompared], true, Verdict::Unknown),
+            (&[Certain, NotCompared], true, Verdict::Ambiguous),
         ];
         for (entries, left, expected) in table {
             assert_eq!(verdict(entries, left), expected, "{entries:?} {left}");

@@ -8,7 +8,7 @@ use crate::likelihood::Noise;
 use crate::problem::Problem;
 use crate::score::{Candidate, as_it_starts, by_chance, score};
 
-use super::Rejected;
+use super::{Evidence, Rejected};
 
 /// Effects that are refitted of all that are scored. The right one was among the first five in each of 66 tuning cases.
 pub(super) const REFITTED: usize = 5;
@@ -17,9 +17,6 @@ pub(super) const REFITTED: usize = 5;
 const FIRST_STEPS: usize = 2;
 /// Steps of one that goes to the optimum.
 const STEPS: usize = 10;
-
-/// p-value and gain of an entry.
-pub(super) type Evidence = (f64, f64);
 
 /// Among how many variants an effect was found, and how often chance has as much happen where it is an event.
 #[derive(Debug, Clone, Copy)]
@@ -75,16 +72,16 @@ impl Trial {
         }
     }
 
-    /// Begins, from that log-likelihood, or goes on from where it came to.
+    /// Begins, at the log-likelihood `from`, or goes on from where it came to.
     fn go_on(
         &mut self,
         problem: &Problem,
         share: u64,
-        begin: (f64, impl FnOnce(&Problem) -> Option<Refitted>),
+        from: f64,
+        begin: impl FnOnce(&Problem) -> Option<Refitted>,
         on: impl FnOnce(&Problem, &Refitted) -> Option<Refitted>,
     ) {
-        let (first, begin) = begin;
-        let before = self.refitted().map_or(first, |refitted| refitted.log_likelihood);
+        let before = self.refitted().map_or(from, |refitted| refitted.log_likelihood);
         let (found, ended) = problem.sharing(share, |own| match self.refitted() {
             None => begin(own),
             Some(from) => on(own, from),
@@ -244,8 +241,7 @@ impl Around {
             starts,
             |tried| &tried.short,
             |own, share, Tried { candidate, short, .. }| {
-                let begin = (self.at.log_likelihood, |own: &Problem| self.short(own, candidate));
-                short.go_on(own, share, begin, first_refit);
+                short.go_on(own, share, self.at.log_likelihood, |own| self.short(own, candidate), first_refit);
             },
         );
     }
@@ -282,9 +278,9 @@ impl Around {
             found,
             |tried| &tried.followed,
             |own, share, Tried { short, followed, .. }| {
-                let first = short.refitted().map_or(f64::NEG_INFINITY, |refitted| refitted.log_likelihood);
-                let begin = (first, |own: &Problem| on(own, short.refitted()?, &self.at.noise));
-                followed.go_on(own, share, begin, |own, from| on(own, from, &from.noise));
+                let from = short.refitted().map_or(f64::NEG_INFINITY, |refitted| refitted.log_likelihood);
+                let begin = |own: &Problem| on(own, short.refitted()?, &self.at.noise);
+                followed.go_on(own, share, from, begin, |own, from| on(own, from, &from.noise));
             },
         );
     }

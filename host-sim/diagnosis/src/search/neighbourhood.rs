@@ -5,8 +5,8 @@ use crate::effects::Effect;
 use crate::hypothesis::refit;
 use crate::problem::Problem;
 
-use super::around::{Around, Evidence, Extended, Odds, REFITTED};
-use super::{Forward, Found, LEVEL_OF_A_STEP, MOST_EFFECTS, Rejected, Rival, SMALLEST_GAIN};
+use super::around::{Around, Extended, Odds, REFITTED};
+use super::{Evidence, Forward, Found, LEVEL_OF_A_STEP, MOST_EFFECTS, Rejected, Rival, SMALLEST_GAIN};
 use super::{gain, is_crossed, is_part_of_it, nuisances, p_value, priced};
 
 /// Swaps of an entry for another effect that are followed: each effect of the largest hypothesis once.

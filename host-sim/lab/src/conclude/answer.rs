@@ -185,8 +185,8 @@ pub(super) fn warnings(problem: &Problem, conclusion: &Conclusion, next: bool) -
              torque the motion needs, up to {band_hz:.0} Hz"
         ));
     }
-    let contested = |one: &Named| one.compared && one.standing == judged::Standing::Contested;
-    if conclusion.verdict == judged::Verdict::Ambiguous && conclusion.effects.iter().any(contested) {
+    let stand = |standing| conclusion.effects.iter().filter(move |one| one.standing == standing);
+    if conclusion.verdict == judged::Verdict::Ambiguous && stand(judged::Standing::Contested).next().is_some() {
         let otherwise = "; another motion or a direct measurement (weighing, a torque sensor) tells them apart";
         warnings.push(format!(
             "what the alternatives predict differs by less than these recordings' noise{}",
@@ -195,8 +195,7 @@ pub(super) fn warnings(problem: &Problem, conclusion: &Conclusion, next: bool) -
     }
     if conclusion.cut_short {
         warnings.push("the search ended at its budget of work: less was tried than would have been".to_owned());
-        let left = conclusion.effects.iter().filter(|one| !one.compared).map(|one| one.effect.id);
-        let left: Vec<&str> = left.collect();
+        let left: Vec<&str> = stand(judged::Standing::NotCompared).map(|one| one.effect.id).collect();
         if !left.is_empty() {
             warnings.push(format!(
                 "not compared with all that may stand in its place: {}; fewer or shorter recordings leave work for it",
