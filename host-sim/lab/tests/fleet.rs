@@ -116,7 +116,7 @@ fn mark(manifest: &Path, table: &Path) -> usize {
 fn a_run_that_is_killed_midway_goes_on_with_the_rows_that_were_done() {
     let folder = folder();
     let at = |name: &str| folder.path().join(name);
-    let all = ["mon1", "mon2", "tue1", "tue2"];
+    let all = ["mon1", "mon2", "tue1"];
     let pairs = all.iter().flat_map(|one| all.iter().filter(move |other| *other != one).map(move |other| (one, other)));
     let rows: String = pairs.map(|(one, other)| format!("axis/m.toml,axis/{one}.csv,axis/{other}.csv\n")).collect();
     fs::write(at("many.csv"), format!("machine,recordings,holdout\n{rows}")).unwrap();
@@ -131,12 +131,12 @@ fn a_run_that_is_killed_midway_goes_on_with_the_rows_that_were_done() {
     child.kill().unwrap();
     child.wait().unwrap();
     let done = mark(&at("many.csv"), &at("fleet.parquet"));
-    println!("{done} of 12 rows were done");
-    assert!((1..12).contains(&done), "{done} of 12");
+    println!("{done} of 6 rows were done");
+    assert!((1..6).contains(&done), "{done} of 6");
     let again = lab(folder.path(), &words);
     assert_eq!(again.status.code(), Some(0), "{}", text(&again.stderr));
     let second = columns(&at("fleet.parquet"));
-    assert_eq!(second["line"].len(), 12);
+    assert_eq!(second["line"].len(), 6);
     assert!(second["error"].iter().all(String::is_empty), "{:?}", second["error"]);
     assert_eq!(second["warnings"].iter().filter(|text| text.contains("kept")).count(), done);
 }

@@ -120,7 +120,7 @@ fn removed(every: usize) {
 #[test]
 #[cfg_attr(debug_assertions, ignore = "minutes without optimisation; the tests in release run it")]
 fn what_may_not_be_named_is_not_named_otherwise() {
-    removed(16);
+    removed(20);
 }
 
 #[test]

@@ -7,15 +7,6 @@ use lab::conclude::{Request, diagnose};
 use lab::read::{Machine, Recording};
 use lab::report::Answer;
 
-#[test]
-#[cfg_attr(debug_assertions, ignore = "a minute without optimisation; the tests in release run it")]
-fn dry_friction_of_the_emps_axis_comes_first_and_within_five_percent() {
-    let Some(answer) = diagnosed("emps", &["train.csv"], &[], "") else { return };
-    let first = &answer.effects[0];
-    assert_eq!(first.id, "coulomb_friction", "{answer:?}");
-    assert!((first.parameters[0].value / 20.39 - 1.0).abs() < 0.05, "{first:?}");
-}
-
 /// The published model has an offset of 3.165 N and no asymmetry, which explains the same.
 #[test]
 #[cfg_attr(debug_assertions, ignore = "a minute without optimisation; the tests in release run it")]
