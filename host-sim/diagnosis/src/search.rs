@@ -5,7 +5,7 @@ mod neighbourhood;
 
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-use crate::confidence_set::{Assessed, Comparison, Step};
+use crate::confidence_set::{Assessed, Comparison, LEVEL_OF_THE_SET, Step};
 use crate::effects::{Effect, NUISANCES};
 use crate::hypothesis::{
     Entry, Hypothesis, Refitted, coloured_noise, comes_back, noise_of, refit, with_likelier_order,
@@ -286,13 +286,15 @@ fn worth(problem: &Problem, from: &Step, to: &Refitted, odds: Odds) -> Option<(S
 }
 
 /// Whether what chose no value is nearer with an entry than without it: all blocks together, and of what holds always the recordings that
-/// judge by themselves, by their likelihood or by their windows.
+/// judge by themselves, by their likelihood or by their windows; and if it moves windows, these.
 pub(crate) fn is_crossed(problem: &Problem, with: &Step, without: &Step, entry: usize) -> bool {
     let of = &with.assessed.refitted.hypothesis.entries[entry];
-    with.assessed.total() > without.assessed.total()
-        && ((of.effect.span)(&of.values).is_some()
-            || with.assessed.judged(problem) > without.assessed.judged(problem)
+    let lasting = || {
+        (with.assessed.judged(problem) > without.assessed.judged(problem)
             || with.windows.fall_from(&without.windows, problem) > 0.0)
+            && (of.effect.changes_samples_only() || with.windows.p_of_being_right(&without.windows) >= LEVEL_OF_THE_SET)
+    };
+    with.assessed.total() > without.assessed.total() && ((of.effect.span)(&of.values).is_some() || lasting())
 }
 
 /// What an entry brings to the windows: those that judge, or those around an event. Where the motion is given the likelihood sees a band

@@ -37,7 +37,6 @@ pub fn verdict(entries: &[Standing], left: bool) -> Verdict {
         (0, _, false) => Verdict::None,
         (0, _, true) => Verdict::Unknown,
         (all, certain, false) if certain == all => Verdict::Named,
-        (_, 0, true) => Verdict::Unknown,
         (all, certain, true) if certain == all => Verdict::Partial,
         _ => Verdict::Ambiguous,
     }
@@ -57,12 +56,12 @@ mod tests {
             (&[CertainBySimplicity], false, Verdict::Named),
             (&[Contested], false, Verdict::Ambiguous),
             (&[Certain], true, Verdict::Partial),
-            (&[Contested], true, Verdict::Unknown),
+            (&[Contested], true, Verdict::Ambiguous),
             (&[Certain, Contested], false, Verdict::Ambiguous),
             (&[Certain, Contested], true, Verdict::Ambiguous),
             (&[Certain, CertainBySimplicity], true, Verdict::Partial),
             (&[NotCompared], false, Verdict::Ambiguous),
-            (&[NotCompared], true, Verdict::Unknown),
+            (&[NotCompared], true, Verdict::Ambiguous),
             (&[Certain, NotCompared], true, Verdict::Ambiguous),
         ];
         for (entries, left, expected) in table {

@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use rayon::prelude::*;
+use statrs::distribution::{ContinuousCDF, Normal};
 
 use crate::hypothesis::{Refitted, kept};
 use crate::likelihood::Window;
@@ -79,17 +80,42 @@ impl WindowFit {
     /// that mean, and scatters by what the noise of a few windows has in common with the difference of the predictions: by tens of per
     /// cent where two seconds are held out.
     pub fn accounted(&self, without: &Self, problem: &Problem) -> f64 {
-        let of = |horizon: usize| {
-            let pairs = problem
-                .judged()
-                .flat_map(|index| self.windows[index][horizon].iter().zip(&without.windows[index][horizon]));
-            let squares = |(left, moved): (f64, f64), (own, other): (&Window, &Window)| {
-                (left + own.squares, moved + own.squares_between(other))
-            };
-            let (left, moved) = pairs.fold((0.0, 0.0), squares);
-            if moved > 0.0 { 1.0 - (left / (left + moved)).sqrt() } else { 0.0 }
-        };
+        let of = |horizon| self.share_moved(without, problem.judged(), horizon);
         of(0).max(of(1))
+    }
+
+    /// Share of the error without an entry, of these recordings at that horizon, that is expected to be the entry's where it is right.
+    fn share_moved(&self, without: &Self, recordings: Range<usize>, horizon: usize) -> f64 {
+        let pairs =
+            recordings.flat_map(|index| self.windows[index][horizon].iter().zip(&without.windows[index][horizon]));
+        let squares = |(left, moved): (f64, f64), (own, other): (&Window, &Window)| {
+            (left + own.squares, moved + own.squares_between(other))
+        };
+        let (left, moved) = pairs.fold((0.0, 0.0), squares);
+        if moved > 0.0 { 1.0 - (left / (left + moved)).sqrt() } else { 0.0 }
+    }
+
+    /// Probability that the windows of all recordings speak as much against an entry if it is right; 1 where they are nearer to the recordings
+    /// with it. No value was fitted to them, so that what is left in them is expected to have nothing in common with the difference of
+    /// the two predictions; where the entry is wrong it is that difference, turned round. At the horizon where it moves them most, a
+    /// window's products with it taken for independent of another's.
+    pub fn p_of_being_right(&self, without: &Self) -> f64 {
+        let all = || 0..self.windows.len();
+        let moved = [0, 1].map(|horizon| self.share_moved(without, all(), horizon));
+        let horizon = usize::from(moved[1] > moved[0]);
+        let pairs = all().flat_map(|index| self.windows[index][horizon].iter().zip(&without.windows[index][horizon]));
+        // What the squares of a window fell beyond the square of the difference is twice that product.
+        let beyond = |(own, other): (&Window, &Window)| {
+            (other.squares - own.squares, other.squares - own.squares - own.squares_between(other))
+        };
+        let add = |(fell, sum, squares): (f64, f64, f64), (fall, product): (f64, f64)| {
+            (fell + fall, sum + product, squares + product * product)
+        };
+        let (fell, sum, squares) = pairs.map(beyond).fold((0.0, 0.0, 0.0), add);
+        if fell >= 0.0 || squares == 0.0 {
+            return 1.0;
+        }
+        Normal::standard().cdf(sum / squares.sqrt())
     }
 
     /// Largest relative fall of the root mean square against another fit, over both horizons, on the recordings that judge.

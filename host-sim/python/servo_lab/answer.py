@@ -178,7 +178,7 @@ class Diagnosis:
     summary: str = field(default="", repr=False)
     """What ``servo-lab diagnose`` prints."""
     improved_machine: str = field(default="", repr=False)
-    """The machine file with the effects, as ``--write-model`` writes it; not to be used where the verdict is ``unknown``."""
+    """The machine file with the effects, as ``--write-model`` writes it."""
     reference_csv: str | None = field(default=None, repr=False)
     """The reference to record next, where the verdict is ``ambiguous``, as ``--experiment`` writes it."""
     page: str | None = field(default=None, repr=False)

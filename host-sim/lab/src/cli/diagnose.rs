@@ -30,7 +30,7 @@ pub struct Args {
     /// Writes the answer as one page that opens in a browser.
     #[arg(long, value_name = "FILE")]
     html: Option<PathBuf>,
-    /// Writes the machine file with the effects added, a model like any other; effects that are not believed are refused.
+    /// Writes the machine file with the effects added, a model like any other.
     #[arg(long, value_name = "FILE")]
     write_model: Option<PathBuf>,
     /// Writes the reference to record next as CSV, where the verdict is ambiguous.
@@ -127,78 +127,18 @@ impl Args {
         if let (Some(output), Some(text)) = (asked.json, &json) {
             output::text(outputs, output, text)?;
         }
-        let model = asked.model.map_or(Ok(()), |model| self.write_model(model, outputs, answer));
+        if let Some(model) = asked.model {
+            let improved = report::improved_machine(&read_text(&self.machine)?, answer);
+            output::text(outputs, model, &formats::toml(&improved))?;
+        }
         outputs.finish()?;
         match json.filter(|_| self.to_stdout()) {
-            Some(text) => output::print(&text)?,
-            None => output::print(&report::summary(answer))?,
+            Some(text) => output::print(&text),
+            None => output::print(&report::summary(answer)),
         }
-        model
-    }
-
-    /// The machine file with the effects; effects that are not believed only with `--force`.
-    fn write_model(&self, model: Output, outputs: &mut Outputs, answer: &Answer) -> Result<(), Error> {
-        if !answer.verdict.believes_its_effects() && !answer.effects.is_empty() && !self.overwrite.force {
-            let reason = "the verdict is unknown, and what was fitted is not believed; --force writes it all the same";
-            return Err(Error::Output { file: outputs.file(model).to_path_buf(), reason: reason.to_owned() });
-        }
-        let improved = report::improved_machine(&read_text(&self.machine)?, answer);
-        output::text(outputs, model, &formats::toml(&improved))
     }
 }
 
 fn read_text(file: &Path) -> Result<String, Error> {
     std::fs::read_to_string(file).map_err(|error| Error::input(file, None, "", error.to_string()))
-}
-
-#[cfg(test)]
-mod tests {
-    #![allow(clippy::unwrap_used)]
-    use super::*;
-    use crate::report::{EffectAnswer, Evidence, Interval};
-    use clap::Parser as _;
-
-    #[derive(clap::Parser)]
-    struct Flags {
-        #[command(flatten)]
-        args: Args,
-    }
-
-    fn answer(verdict: Verdict) -> Answer {
-        let value = Interval { id: "amplitude_nm".into(), value: 18.0, low: 17.0, high: 19.0, unit: "N m".into() };
-        let effect = EffectAnswer {
-            id: "gravity_load".into(),
-            text: String::new(),
-            equivalent: Vec::new(),
-            nuisances: Vec::new(),
-            parameters: vec![value],
-            evidence: Evidence { heldout_gain: 0.5, p_value: 1e-12, excess_explained: 0.5 },
-            recording: None,
-        };
-        Answer { verdict, effects: vec![effect], ..Answer::default() }
-    }
-
-    /// What writing the model of such an answer gives: the file, or the message.
-    fn written(verdict: Verdict, flags: &[&str]) -> Result<String, String> {
-        let folder = tempfile::tempdir().unwrap();
-        let [machine, model] = ["m.toml", "improved.toml"].map(|name| folder.path().join(name));
-        std::fs::write(&machine, "schema = 1\n").unwrap();
-        let words =
-            ["diagnose", "--machine", machine.to_str().unwrap(), "--write-model", model.to_str().unwrap(), "r.csv"];
-        let args = Flags::try_parse_from(words.iter().chain(flags)).unwrap().args;
-        let (asked, mut outputs) = args.files().unwrap();
-        let written = args.write(&asked, &mut outputs, &answer(verdict)).map_err(|error| error.to_string());
-        assert_eq!(model.exists(), written.is_ok());
-        written.map(|()| std::fs::read_to_string(&model).unwrap())
-    }
-
-    #[test]
-    fn a_model_that_is_not_believed_is_written_only_by_force() {
-        let refused = written(Verdict::Unknown, &[]).unwrap_err();
-        assert!(refused.contains("what was fitted is not believed; --force writes it"), "{refused}");
-        assert!(written(Verdict::Unknown, &["--force"]).unwrap().contains("gravity_load"));
-        for verdict in [Verdict::Named, Verdict::Partial, Verdict::Ambiguous] {
-            assert!(written(verdict, &[]).unwrap().contains("gravity_load"), "{verdict:?}");
-        }
-    }
 }

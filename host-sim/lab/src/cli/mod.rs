@@ -144,7 +144,7 @@ fn use_threads(jobs: Option<usize>) -> Result<(), Error> {
 /// Flag of the commands that write files.
 #[derive(Debug, Clone, Copy, clap::Args)]
 struct Overwrite {
-    /// Replaces outputs that are there though servo-lab did not write them, and writes a model that is not believed.
+    /// Replaces outputs that are there though servo-lab did not write them.
     #[arg(long)]
     force: bool,
 }

@@ -88,10 +88,9 @@ fn verdicts(rows: &[Row]) -> Table {
     )
 }
 
-/// Effects that are believed, with the row they are of.
-fn believed(rows: &[Row]) -> impl Iterator<Item = (&Row, &EffectAnswer)> {
-    let believes = |row: &&Row| row.answer().is_some_and(|answer| answer.verdict.believes_its_effects());
-    rows.iter().filter(believes).flat_map(|row| {
+/// Effects, with the row they are of.
+fn found_in(rows: &[Row]) -> impl Iterator<Item = (&Row, &EffectAnswer)> {
+    rows.iter().flat_map(|row| {
         row.answer().into_iter().flat_map(move |one| one.effects.iter().map(move |effect| (row, effect)))
     })
 }
@@ -103,7 +102,7 @@ fn effects(rows: &[Row]) -> Table {
     }
     // An effect that repeats, as cogging of several orders, is in a diagnosis once.
     let mut found: BTreeMap<(&str, &str), BTreeSet<u64>> = BTreeMap::new();
-    for (row, effect) in believed(rows) {
+    for (row, effect) in found_in(rows) {
         found.entry((row.task.machine.as_str(), effect.id.as_str())).or_default().insert(row.task.line);
     }
     let row = |((machine, effect), lines): (&(&str, &str), &BTreeSet<u64>)| {
@@ -129,7 +128,7 @@ type Dated<'a> = (&'a str, &'a Interval);
 
 fn drift(rows: &[Row]) -> Table {
     let mut series: Series<'_> = BTreeMap::new();
-    for (row, effect) in believed(rows).filter(|(row, _)| !row.task.date.is_empty()) {
+    for (row, effect) in found_in(rows).filter(|(row, _)| !row.task.date.is_empty()) {
         let once =
             row.answer().is_some_and(|one| one.effects.iter().filter(|other| other.id == effect.id).count() == 1);
         for value in effect.parameters.iter().filter(|_| once) {

@@ -33,14 +33,6 @@ impl Verdict {
             Self::Controller => "controller",
         }
     }
-
-    /// Whether the effects of the answer are believed; else they are what a fit took for want of something better.
-    pub fn believes_its_effects(self) -> bool {
-        match self {
-            Self::None | Self::Named | Self::Partial | Self::Ambiguous | Self::Controller => true,
-            Self::Unknown => false,
-        }
-    }
 }
 
 /// The whole answer.

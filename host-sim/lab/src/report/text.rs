@@ -42,15 +42,15 @@ fn write_summary(text: &mut String, answer: &Answer, detail: Detail) -> std::fmt
     let headline = match answer.verdict {
         Verdict::None => "Nothing is missing from the model beyond the noise of these recordings.",
         Verdict::Named => "This is missing from the model:",
+        Verdict::Ambiguous if answer.remainder.is_some() => {
+            "Something is missing, these recordings cannot tell which of these it is, and something more is not explained:"
+        }
         Verdict::Ambiguous => "Something is missing, and these recordings cannot tell which of these it is:",
         Verdict::Partial => "This is missing from the model, and something more that is not explained:",
         Verdict::Unknown => "Something is missing, and nothing in the vocabulary explains it.",
         Verdict::Controller => "The recorded commands are not what this control law computes; no physics is named.",
     };
     writeln!(text, "{headline}")?;
-    if !answer.verdict.believes_its_effects() && !answer.effects.is_empty() {
-        writeln!(text, "\nFitted, but not believed:")?;
-    }
     match detail {
         Detail::All => answer.effects.iter().try_for_each(|effect| write_effect(text, effect))?,
         Detail::Line => answer.effects.iter().try_for_each(|effect| write_line(text, effect))?,
@@ -240,17 +240,12 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_believed_is_titled_so() {
-        let verdicts = [Verdict::Unknown, Verdict::Named, Verdict::Partial, Verdict::Ambiguous];
-        for verdict in verdicts {
-            let text = summary(&answer(verdict, FitAnswer::default()));
-            let titled = text.contains("\nFitted, but not believed:\n\ncogging:");
-            assert_eq!(titled, verdict == Verdict::Unknown, "{text}");
-            assert_eq!(
-                text.contains("This is missing"),
-                matches!(verdict, Verdict::Named | Verdict::Partial),
-                "{text}"
-            );
-        }
+    fn an_ambiguous_answer_tells_that_more_is_left() {
+        let mut left = answer(Verdict::Ambiguous, FitAnswer::default());
+        assert!(
+            summary(&left).starts_with("Something is missing, and these recordings cannot tell which of these it is:")
+        );
+        left.remainder = Some(RemainderAnswer::default());
+        assert!(summary(&left).contains("and something more is not explained:"), "{}", summary(&left));
     }
 }

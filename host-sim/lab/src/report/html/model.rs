@@ -15,10 +15,8 @@ pub(super) fn equation(answer: &Answer, lines: &[String]) -> Option<Section> {
         return None;
     }
     let lines: String = lines.iter().map(|line| format!("<p>{}</p>", text(line))).collect();
-    let whose =
-        if answer.verdict.believes_its_effects() { "" } else { " What was fitted is in it and is not believed." };
     let body = format!(
-        "<p class=\"quiet\">With its values, in SI units; a star marks what the answer found.{whose}</p><div \
+        "<p class=\"quiet\">With its values, in SI units; a star marks what the answer found.</p><div \
          class=\"equation\">{lines}</div>"
     );
     let heading = if answer.effects.is_empty() || answer.verdict == Verdict::Controller {

@@ -8,18 +8,13 @@ use super::{MapPlot, PlotData};
 use crate::report::text::{fall, per_cent};
 use crate::report::{Answer, EffectAnswer};
 
-/// Every effect of the best model: what it is, its values, why it is believed or that it is not.
+/// Every effect of the best model: what it is, its values, why it is believed.
 pub(super) fn effects(answer: &Answer) -> Option<Section> {
     if answer.effects.is_empty() {
         return None;
     }
     let each: String = answer.effects.iter().map(effect).collect();
-    if answer.verdict.believes_its_effects() {
-        return Some(Section::new("effects", "What is missing", each));
-    }
-    let note = "<p class=\"note\">The best that the vocabulary does with these recordings. Something is left beside it that these \
-                values may only stand in for: do not put them into a model.</p>";
-    Some(Section::new("effects", "Fitted, but not believed", format!("{note}{each}")))
+    Some(Section::new("effects", "What is missing", each))
 }
 
 fn effect(effect: &EffectAnswer) -> String {

@@ -25,7 +25,10 @@ pub(crate) fn sentence(answer: &Answer) -> String {
             )
         }
         Verdict::Ambiguous => {
-            format!("The model lacks {found}: something is missing, and these recordings cannot tell which it is.")
+            let left = if answer.remainder.is_some() { "; something more is left that is not explained" } else { "" };
+            format!(
+                "The model lacks {found}: something is missing, and these recordings cannot tell which it is{left}."
+            )
         }
         Verdict::Unknown => {
             "Something is missing from the model, and nothing in the vocabulary explains it.".to_owned()
