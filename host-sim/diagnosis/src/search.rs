@@ -145,9 +145,10 @@ pub fn search(problem: &Problem, vocabulary: &[&'static Effect]) -> Option<Found
     let nominal = Step::new(problem, nominal(problem)?)?;
     let all: Vec<&'static Effect> = vocabulary.iter().copied().chain(nuisances(vocabulary)).collect();
     let mut around_nominal = Around::new(&nominal.assessed.refitted, &all);
-    let allowed = problem.left() / 5 * 2;
+    let first = first(problem, &nominal, vocabulary);
+    let allowed = problem.left() / 5 * if first.is_some() { 2 } else { 3 };
     let mut ends = vec![problem.within(allowed, |own| forward(own, vocabulary, nominal.clone(), &mut around_nominal))];
-    if let Some(first) = first(problem, &nominal, vocabulary) {
+    if let Some(first) = first {
         let mut around_first = Around::new(&first.assessed.refitted, vocabulary);
         ends.push(problem.within(allowed, |own| forward(own, vocabulary, first, &mut around_first)));
     }
@@ -202,9 +203,10 @@ fn forward(problem: &Problem, vocabulary: &[&'static Effect], from: Step, around
     let mut among: &[&'static Effect] = &lasting;
     let mut rejected = Vec::new();
     while best.assessed.refitted.hypothesis.entries.len() < MOST_EFFECTS + began && !problem.is_spent() {
-        let found = around_best(&mut moved, around).extended(problem, among);
-        let mut begun = found.iter().take_while(|_| !problem.is_spent());
-        match begun.find_map(|one| worth(problem, &best, &one.refitted, one.odds)) {
+        // Half of what is left, for the steps after it; the best of what that has begun is looked at whatever is left.
+        let found = problem.within(problem.left() / 2, |own| around_best(&mut moved, around).extended(own, among));
+        let mut begun = found.iter().enumerate().take_while(|(index, _)| *index == 0 || !problem.is_spent());
+        match begun.find_map(|(_, one)| worth(problem, &best, &one.refitted, one.odds)) {
             Some((next, odds)) => {
                 tried.push(odds);
                 best = next;
