@@ -138,3 +138,43 @@ impl WindowFit {
         fall(0).max(fall(1))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Windows of ten rows that leave this.
+    fn leaving(left: impl Fn(usize) -> f64, windows: usize) -> WindowFit {
+        let window = |index: usize| {
+            let mut window = Window::new(10 * index, 10);
+            (0..10).for_each(|row| window.push(left(10 * index + row)));
+            window
+        };
+        let all: Vec<Window> = (0..windows).map(window).collect();
+        WindowFit { windows: vec![[all.clone(), all]] }
+    }
+
+    /// Independent of the motion below.
+    fn noise(row: usize) -> f64 {
+        (row as f64 * 2.399).sin()
+    }
+
+    /// What an entry adds.
+    fn moved(row: usize) -> f64 {
+        0.4 * (row as f64 * 0.71).cos()
+    }
+
+    #[test]
+    fn windows_refute_what_moves_them_away_and_not_what_chance_does() {
+        let (true_motion, with_more) = (leaving(noise, 60), leaving(|row| noise(row) + moved(row), 60));
+        assert_eq!(true_motion.p_of_being_right(&with_more), 1.0);
+        let p = with_more.p_of_being_right(&true_motion);
+        assert!(p < 1e-6, "{p}");
+        // In three windows with more noise than motion nothing is refuted.
+        let loud = |row| 10.0 * noise(row);
+        let p = leaving(|row| loud(row) + moved(row), 3).p_of_being_right(&leaving(loud, 3));
+        assert!(p > 0.05, "{p}");
+        // What moves nothing is not refuted.
+        assert_eq!(true_motion.p_of_being_right(&true_motion), 1.0);
+    }
+}

@@ -18,7 +18,7 @@ pub fn all() -> Result<(), String> {
 
     let mut steps = Steps::default();
     steps.cargo("fmt", &["fmt", "--all", "--check"])?;
-    // Of the release profile, whose macros and build scripts the tests take over; those of debug builds are optimised, and twice the work.
+    // Of the release profile, whose macros and build scripts the tests take over.
     let lint = ["clippy", "--release", "--workspace"];
     let denied = ["--", "-D", "warnings"];
     steps.cargo("clippy", &[&lint[..], &["--all-targets", "--features", "lab/probe"], &denied].concat())?;

@@ -212,12 +212,12 @@ pub(crate) struct Window {
 
 impl Window {
     /// Of some rows from `start` on, none simulated yet.
-    pub(super) fn new(start: usize, rows: usize) -> Self {
+    pub(crate) fn new(start: usize, rows: usize) -> Self {
         Self { start, rows, squares: 0.0, expected: 0.0, left: Vec::with_capacity(rows) }
     }
 
     /// Takes what is left of the next row.
-    pub(super) fn push(&mut self, left: f64) {
+    pub(crate) fn push(&mut self, left: f64) {
         self.squares += left * left;
         self.left.push(left as f32);
     }
