@@ -291,12 +291,14 @@ fn worth(problem: &Problem, from: &Step, to: &Refitted, odds: Odds) -> Option<(S
 /// judge by themselves, by their likelihood or by their windows; and if it moves windows, these.
 pub(crate) fn is_crossed(problem: &Problem, with: &Step, without: &Step, entry: usize) -> bool {
     let of = &with.assessed.refitted.hypothesis.entries[entry];
-    let lasting = || {
-        (with.assessed.judged(problem) > without.assessed.judged(problem)
-            || with.windows.fall_from(&without.windows, problem) > 0.0)
-            && (of.effect.changes_samples_only() || with.windows.p_of_being_right(&without.windows) >= LEVEL_OF_THE_SET)
+    let once = (of.effect.span)(&of.values).is_some();
+    let judged = || {
+        with.assessed.judged(problem) > without.assessed.judged(problem)
+            || with.windows.fall_from(&without.windows, problem) > 0.0
     };
-    with.assessed.total() > without.assessed.total() && ((of.effect.span)(&of.values).is_some() || lasting())
+    let not_refuted =
+        || of.effect.changes_samples_only() || with.windows.p_of_being_right(&without.windows) >= LEVEL_OF_THE_SET;
+    with.assessed.total() > without.assessed.total() && (once || judged() && not_refuted())
 }
 
 /// What an entry brings to the windows: those that judge, or those around an event. Where the motion is given the likelihood sees a band

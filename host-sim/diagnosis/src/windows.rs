@@ -80,19 +80,8 @@ impl WindowFit {
     /// that mean, and scatters by what the noise of a few windows has in common with the difference of the predictions: by tens of per
     /// cent where two seconds are held out.
     pub fn accounted(&self, without: &Self, problem: &Problem) -> f64 {
-        let of = |horizon| self.share_moved(without, problem.judged(), horizon);
+        let of = |horizon| self.beside(without, problem.judged(), horizon).share_moved();
         of(0).max(of(1))
-    }
-
-    /// Share of the error without an entry, of these recordings at that horizon, that is expected to be the entry's where it is right.
-    fn share_moved(&self, without: &Self, recordings: Range<usize>, horizon: usize) -> f64 {
-        let pairs =
-            recordings.flat_map(|index| self.windows[index][horizon].iter().zip(&without.windows[index][horizon]));
-        let squares = |(left, moved): (f64, f64), (own, other): (&Window, &Window)| {
-            (left + own.squares, moved + own.squares_between(other))
-        };
-        let (left, moved) = pairs.fold((0.0, 0.0), squares);
-        if moved > 0.0 { 1.0 - (left / (left + moved)).sqrt() } else { 0.0 }
     }
 
     /// Probability that the windows of all recordings speak as much against an entry if it is right; 1 where they are nearer to the recordings
@@ -100,22 +89,29 @@ impl WindowFit {
     /// the two predictions; where the entry is wrong it is that difference, turned round. At the horizon where it moves them most, a
     /// window's products with it taken for independent of another's.
     pub fn p_of_being_right(&self, without: &Self) -> f64 {
-        let all = || 0..self.windows.len();
-        let moved = [0, 1].map(|horizon| self.share_moved(without, all(), horizon));
-        let horizon = usize::from(moved[1] > moved[0]);
-        let pairs = all().flat_map(|index| self.windows[index][horizon].iter().zip(&without.windows[index][horizon]));
-        // What the squares of a window fell beyond the square of the difference is twice that product.
-        let beyond = |(own, other): (&Window, &Window)| {
-            (other.squares - own.squares, other.squares - own.squares - own.squares_between(other))
-        };
-        let add = |(fell, sum, squares): (f64, f64, f64), (fall, product): (f64, f64)| {
-            (fell + fall, sum + product, squares + product * product)
-        };
-        let (fell, sum, squares) = pairs.map(beyond).fold((0.0, 0.0, 0.0), add);
-        if fell >= 0.0 || squares == 0.0 {
+        let [short, long] = [0, 1].map(|horizon| self.beside(without, 0..self.windows.len(), horizon));
+        let Beside { fell, product, products_squared, .. } =
+            if long.share_moved() > short.share_moved() { long } else { short };
+        if fell >= 0.0 || products_squared == 0.0 {
             return 1.0;
         }
-        Normal::standard().cdf(sum / squares.sqrt())
+        Normal::standard().cdf(product / products_squared.sqrt())
+    }
+
+    /// What tells the windows of these recordings at that horizon from those without an entry.
+    fn beside(&self, without: &Self, recordings: Range<usize>, horizon: usize) -> Beside {
+        let pairs =
+            recordings.flat_map(|index| self.windows[index][horizon].iter().zip(&without.windows[index][horizon]));
+        pairs.fold(Beside::default(), |mut sum, (own, other)| {
+            let (fell, moved) = (other.squares - own.squares, own.squares_between(other));
+            let product = fell - moved;
+            sum.left += own.squares;
+            sum.moved += moved;
+            sum.fell += fell;
+            sum.product += product;
+            sum.products_squared += product * product;
+            sum
+        })
     }
 
     /// Largest relative fall of the root mean square against another fit, over both horizons, on the recordings that judge.
@@ -136,6 +132,28 @@ impl WindowFit {
             if before > 0.0 { 1.0 - after / before } else { 0.0 }
         };
         fall(0).max(fall(1))
+    }
+}
+
+/// Sums over windows with an entry and without it.
+#[derive(Default)]
+struct Beside {
+    /// Squares that are left with the entry.
+    left: f64,
+    /// Squares between the two predictions.
+    moved: f64,
+    /// By how much the squares fell.
+    fell: f64,
+    /// What they fell beyond what was moved: twice the product of what is left and the difference of the predictions.
+    product: f64,
+    /// The same of each window, squared.
+    products_squared: f64,
+}
+
+impl Beside {
+    /// Share of the error without the entry that is expected to be the entry's where it is right.
+    fn share_moved(&self) -> f64 {
+        if self.moved > 0.0 { 1.0 - (self.left / (self.left + self.moved)).sqrt() } else { 0.0 }
     }
 }
 

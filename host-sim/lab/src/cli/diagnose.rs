@@ -127,18 +127,71 @@ impl Args {
         if let (Some(output), Some(text)) = (asked.json, &json) {
             output::text(outputs, output, text)?;
         }
-        if let Some(model) = asked.model {
-            let improved = report::improved_machine(&read_text(&self.machine)?, answer);
-            output::text(outputs, model, &formats::toml(&improved))?;
-        }
+        // An answer is not lost for a machine file that is gone by now.
+        let model = asked.model.map_or(Ok(()), |model| self.write_model(model, outputs, answer));
         outputs.finish()?;
         match json.filter(|_| self.to_stdout()) {
-            Some(text) => output::print(&text),
-            None => output::print(&report::summary(answer)),
+            Some(text) => output::print(&text)?,
+            None => output::print(&report::summary(answer))?,
         }
+        model
+    }
+
+    /// The machine file with the effects.
+    fn write_model(&self, model: Output, outputs: &mut Outputs, answer: &Answer) -> Result<(), Error> {
+        let improved = report::improved_machine(&read_text(&self.machine)?, answer);
+        output::text(outputs, model, &formats::toml(&improved))
     }
 }
 
 fn read_text(file: &Path) -> Result<String, Error> {
     std::fs::read_to_string(file).map_err(|error| Error::input(file, None, "", error.to_string()))
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::report::{EffectAnswer, Evidence, Interval};
+    use clap::Parser as _;
+
+    #[derive(clap::Parser)]
+    struct Flags {
+        #[command(flatten)]
+        args: Args,
+    }
+
+    fn answer(verdict: Verdict) -> Answer {
+        let value = Interval { id: "amplitude_nm".into(), value: 18.0, low: 17.0, high: 19.0, unit: "N m".into() };
+        let effect = EffectAnswer {
+            id: "gravity_load".into(),
+            text: String::new(),
+            equivalent: Vec::new(),
+            nuisances: Vec::new(),
+            parameters: vec![value],
+            evidence: Evidence { heldout_gain: 0.5, p_value: 1e-12, excess_explained: 0.5 },
+            recording: None,
+        };
+        Answer { verdict, effects: vec![effect], ..Answer::default() }
+    }
+
+    /// The model that is written of such an answer.
+    fn written(verdict: Verdict) -> String {
+        let folder = tempfile::tempdir().unwrap();
+        let [machine, model] = ["m.toml", "improved.toml"].map(|name| folder.path().join(name));
+        std::fs::write(&machine, "schema = 1\n").unwrap();
+        let words =
+            ["diagnose", "--machine", machine.to_str().unwrap(), "--write-model", model.to_str().unwrap(), "r.csv"];
+        let args = Flags::try_parse_from(words).unwrap().args;
+        let (asked, mut outputs) = args.files().unwrap();
+        args.write(&asked, &mut outputs, &answer(verdict)).unwrap();
+        std::fs::read_to_string(&model).unwrap()
+    }
+
+    #[test]
+    fn the_model_of_an_answer_has_its_effects() {
+        for verdict in [Verdict::Named, Verdict::Partial, Verdict::Ambiguous] {
+            assert!(written(verdict).contains("gravity_load"), "{verdict:?}");
+        }
+    }
 }

@@ -240,6 +240,15 @@ mod tests {
     }
 
     #[test]
+    fn only_what_is_certain_is_said_to_be_missing() {
+        for verdict in [Verdict::Unknown, Verdict::Named, Verdict::Partial, Verdict::Ambiguous] {
+            let text = summary(&answer(verdict, FitAnswer::default()));
+            let certain = matches!(verdict, Verdict::Named | Verdict::Partial);
+            assert_eq!(text.contains("This is missing"), certain, "{text}");
+        }
+    }
+
+    #[test]
     fn an_ambiguous_answer_tells_that_more_is_left() {
         let mut left = answer(Verdict::Ambiguous, FitAnswer::default());
         assert!(

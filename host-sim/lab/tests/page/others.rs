@@ -208,10 +208,12 @@ fn the_paper_has_its_claims_and_all_its_figures() {
         );
         assert!(other.printed.contains(&row[2].to_uppercase()));
     }
-    let files =
-        fs::read_dir(&folder).unwrap().filter(|entry| entry.as_ref().unwrap().path().extension().unwrap() == "svg");
+    let files = fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().path());
+    let figures: Vec<_> = files.filter(|file| file.extension().unwrap() == "svg").collect();
     // The one at the top is among them.
-    assert_eq!(all(&page, ".drawing svg").len(), files.count() + 1);
+    assert_eq!(all(&page, ".drawing svg").len(), figures.len() + 1);
+    // Nothing was measured.
+    assert!(figures.iter().all(|file| !fs::read_to_string(file).unwrap().contains("measured")));
     let (page, other) = self::page("beyond");
     let shown = cells(&page, "With the delays that were told");
     let lines: Vec<&str> = other.printed.lines().filter(|line| line.contains(" / ")).collect();

@@ -193,6 +193,13 @@ fn the_page_says_the_answer() {
 }
 
 #[test]
+fn effects_are_what_is_missing() {
+    for verdict in [Verdict::Named, Verdict::Partial, Verdict::Ambiguous] {
+        assert!(written(verdict).contains(">What is missing</h2>"), "{verdict:?}");
+    }
+}
+
+#[test]
 fn names_are_text_wherever_they_stand() {
     let page = written(Verdict::Unknown);
     assert!(!page.contains("<script>alert") && !page.contains("<b>.csv"));
