@@ -20,6 +20,14 @@ pub struct Comparison {
 }
 
 impl Comparison {
+    /// Of a difference and its tests. What is as likely as the best to what refits are settled to, or likelier, is not worse: blocks tell nothing
+    /// of so little, and windows would tell two values of one effect apart that are a tenth of their spread from each other.
+    fn new(difference: f64, z: f64, rank_z: f64, window_z: f64) -> Self {
+        let [z, rank_z] = if difference.abs() < SETTLED_TO { [0.0; 2] } else { [z, rank_z] };
+        let window_z = if difference < SETTLED_TO { 0.0 } else { window_z };
+        Self { difference, z, rank_z, window_z }
+    }
+
     /// Probability that chance alone makes it that much better.
     pub fn p_value(&self) -> f64 {
         // The best of three tests, so three times its level.
@@ -82,9 +90,7 @@ pub fn compare(problem: &Problem, better: &Step, other: &Step) -> Comparison {
     // Under equal fits the difference of two predictions spreads by at least the square root of twice what it is.
     let least = all_expected.iter().sum::<f64>() * 2.0;
     let sd = variance.max(least).max(f64::MIN_POSITIVE).sqrt();
-    let told = difference.abs() >= SETTLED_TO;
-    let [z, rank_z] = if told { [difference / sd, signed_rank(&all)] } else { [0.0; 2] };
-    Comparison { difference, z, rank_z, window_z }
+    Comparison::new(difference, difference / sd, signed_rank(&all), window_z)
 }
 
 /// Log-likelihood to which two refits are settled, half a unit each for their noise: that much between them is of how they ended, and the
@@ -99,4 +105,20 @@ fn signed_rank(differences: &[f64]) -> f64 {
     let sum: f64 = pairs.iter().enumerate().map(|(at, value)| (at + 1) as f64 * value.signum()).sum();
     let variance = n * (n + 1.0) * (2.0 * n + 1.0) / 6.0;
     if variance > 0.0 { sum / variance.sqrt() } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn windows_exclude_no_rival_that_is_as_likely() {
+        // An asymmetric lag of the field of two equal paces beside the lag that it is, 2.3 units likelier with one value less.
+        for (difference, is_excluded) in [(-2.3, false), (0.5, false), (1.5, true)] {
+            let comparison = Comparison::new(difference, -1.7, -2.0, 2.33);
+            assert_eq!(excluded(&[comparison]), [is_excluded], "{difference}");
+        }
+        let by_blocks = |difference| Comparison::new(difference, 4.0, 4.0, 0.0);
+        assert_eq!(excluded(&[by_blocks(20.0), by_blocks(0.9)]), [true, false]);
+    }
 }
