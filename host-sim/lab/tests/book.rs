@@ -6,11 +6,11 @@
 mod contents;
 #[path = "book/examples.rs"]
 mod examples;
-#[path = "own_logs/files.rs"]
+#[path = "tool/own_logs/files.rs"]
 mod files;
 #[path = "book/links.rs"]
 mod links;
-#[path = "own_logs/plant.rs"]
+#[path = "tool/own_logs/plant.rs"]
 mod machine;
 
 use std::fs;

@@ -53,7 +53,7 @@ pub fn bounded() -> Result<(), String> {
 ///
 /// A failed build, or a case with a fault.
 pub fn sweep() -> Result<(), String> {
-    let arguments = ["test", "--release", "-p", "lab", "--test", "sweep", "--", "--ignored", "--nocapture"];
+    let arguments = ["test", "--release", "-p", "lab", "--test", "tool", "sweep::", "--", "--ignored", "--nocapture"];
     run(cargo(&root(), &arguments))
 }
 

@@ -1,5 +1,4 @@
 //! Logs of machines nobody has described, in their own formats and units: `init`, then answers, as a new user has them.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 #[path = "own_logs/files.rs"]
 mod files;

@@ -1,5 +1,4 @@
 //! Machine files: what is read, and that each kind of bad input is one message with file, line and key.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::path::Path;
 

@@ -1,5 +1,4 @@
 //! Files and flags of a user who knows nothing of the tool: each is read, or refused with one message that says why.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::fs;
 use std::path::Path;

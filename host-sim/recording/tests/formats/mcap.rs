@@ -1,5 +1,4 @@
 //! MCAP: what is written opens elsewhere, what robots log is read, and a bad file is a message.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::collections::BTreeMap;
 use std::fs;

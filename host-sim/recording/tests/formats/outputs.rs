@@ -1,5 +1,4 @@
 //! No output loses a file, and what cannot be written is known before anything is computed.
-#![allow(clippy::unwrap_used, clippy::expect_used)]
 
 use std::fs;
 use std::io::Write as _;

@@ -1,5 +1,4 @@
 //! ULog of PX4: what is logged becomes columns, and a bad file is a message.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::path::Path;
 

@@ -1,5 +1,4 @@
 //! The real machines and recordings, where they are at hand.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -1,5 +1,4 @@
 //! MCAP in Protobuf: joint states of Foxglove in the forms of its schemas, read by the descriptors in the file.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::collections::BTreeMap;
 use std::io::Cursor;

@@ -4,14 +4,11 @@
 //! Seeded: real and simulated recordings, thinned out, cut, scaled in time and position, their columns held constant,
 //! swapped, negated, made NaN or huge; machine files with a number at the end of what a double holds. The short form runs
 //! with the tests, the long one with `cargo xtask fuzz`.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
-
-mod common;
 
 use std::fs;
 use std::path::Path;
 
-use common::{Ended, run, shared};
+use crate::common::{Ended, run, shared};
 use diagnosis::effects::find;
 use diagnosis::physics::Physics;
 use lab::read::Machine;

@@ -1,7 +1,6 @@
 //! HDF5 and MATLAB 7.3 of other programs: vectors, matrices, tables, packed and not; a bad file is a message.
 //!
 //! The files are written by h5py: `data/make_hdf5.py`.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -1,5 +1,4 @@
 //! The flags of `tune`.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 #[test]
 fn a_flag_outside_its_range_is_refused_by_name() {

@@ -1,5 +1,4 @@
 //! Files that the commands write: none is lost, what cannot be written is known first, and what made it is told.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::fs;
 use std::path::Path;

@@ -1,5 +1,4 @@
 //! MATLAB files of other programs: vectors, matrices, structures, packed and not; a bad file is a message.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::fs;
 use std::path::Path;

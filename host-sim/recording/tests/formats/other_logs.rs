@@ -1,5 +1,4 @@
 //! Logs of other machines: separators, decimal commas, packed files, and columns that a machine file names.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::fs;
 use std::io::Write as _;

@@ -1,5 +1,4 @@
 //! What `init` and `doctor` say of logs with the faults and gaps of real ones.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::fmt::Write as _;
 use std::fs;

@@ -1,5 +1,4 @@
 //! `servo-lab stability` as a user runs it.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use assert_cmd::Command;
 

@@ -1,5 +1,4 @@
 //! `servo-lab prove` as a user runs it: sealed, resumable, shared out and merged, and repeatable by seed.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::path::Path;
 

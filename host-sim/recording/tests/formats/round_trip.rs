@@ -1,5 +1,4 @@
 //! What is written reads back the same, to the bit.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::fs;
 use std::path::PathBuf;

@@ -1,5 +1,4 @@
 //! The program stays small enough to be copied to a machine.
-#![allow(clippy::unwrap_used)]
 
 use std::fs;
 

@@ -1,5 +1,4 @@
 //! Recordings as CSV: what is read, and that each kind of bad input is one message with file, line and column.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::fs;
 use std::path::PathBuf;

@@ -1,13 +1,9 @@
 //! The paper's own experiment asked for its delay: single steps, a fluid whose field waits 2 ms and lags 3 ms.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
-
-#[path = "../../analysis/tests/common/mod.rs"]
-mod common;
 
 use std::path::Path;
 
+use crate::servo::{PERIOD_S, field, paper, setup};
 use analysis::simulate::{Reference, Setup, record, run};
-use common::{PERIOD_S, field, paper, setup};
 use diagnosis::effects::VOCABULARY;
 use er_servo::Config;
 use er_servo::experiment::{Experiment, Shape};
@@ -23,7 +19,7 @@ const POOR_TORQUE_NM: f64 = 0.1;
 
 /// The paper's servo, its fluid without delay.
 fn machine() -> Machine {
-    Machine::from_bytes(Path::new("machine.toml"), include_bytes!("../src/cli/demo/machine.toml")).unwrap()
+    Machine::from_bytes(Path::new("machine.toml"), include_bytes!("../../src/cli/demo/machine.toml")).unwrap()
 }
 
 /// Two seconds after one step under a fluid.

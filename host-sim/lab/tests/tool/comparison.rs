@@ -1,13 +1,9 @@
 //! What a model leaves unexplained: little of its own recordings, and on real machines what is known to be in them.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
-
-#[path = "../../analysis/tests/common/mod.rs"]
-mod common;
 
 use std::path::Path;
 
+use crate::servo::{PERIOD_S, field, paper, setup, shared};
 use analysis::simulate::{Reference, Setup, record, run};
-use common::{PERIOD_S, field, paper, setup, shared};
 use diagnosis::physics::Physics;
 use er_servo::experiment::{Experiment, Shape};
 use er_servo::{Config, RAD_PER_COUNT};

@@ -1,5 +1,4 @@
 //! `servo-lab fleet` as a user runs it: a manifest of short recordings, one bad row, a run that goes on.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::collections::BTreeMap;
 use std::fs;

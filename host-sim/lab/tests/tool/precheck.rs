@@ -1,13 +1,9 @@
 //! What is said of data before any science: nothing of good recordings, and each fault by its name.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
-
-#[path = "../../analysis/tests/common/mod.rs"]
-mod common;
 
 use std::path::Path;
 
+use crate::servo::{PERIOD_S, field, paper, setup, shared};
 use analysis::simulate::{Reference, Setup, record, run};
-use common::{PERIOD_S, field, paper, setup, shared};
 use er_servo::Config;
 use er_servo::experiment::{Experiment, Shape};
 use lab::precheck::{Finding, Problem, Purpose, Severity, check, warnings};

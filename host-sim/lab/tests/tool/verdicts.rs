@@ -1,5 +1,4 @@
 //! What a verdict may say: nothing of a value that may be the nominal one, and no experiment that tells nothing.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::fs;
 use std::path::Path;
