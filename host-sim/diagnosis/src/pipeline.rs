@@ -77,10 +77,15 @@ fn equivalent(
     all
 }
 
-/// Diagnoses, and returns the problem as its torque column was read: where it may be a measurement, and is held like a command, also
-/// as commands. That reading shows what is faster than the other's band, but takes its noise for that of the motion up to the sampling
+/// Work that a torque of samples may take as the cause of the motion, in substeps of three states: half as much again as three recordings of
+/// 8 s at 2 kHz take. A measured torque of a real machine takes all of it and explains nothing.
+const WORK_ON_SAMPLES: u64 = 100_000_000;
+
+/// Diagnoses, and returns the problem as its torque column was read: where it may be a measurement, also as the cause of the motion.
+/// That reading shows what is faster than the other's band, but takes its noise for that of the motion up to the sampling
 /// rate: it is believed if it predicts what judges by a relevant part better, or as well and explains everything, with fewer values
-/// than the other or where the other found nothing.
+/// than the other or where the other found nothing. Samples have noise that moves nothing, which pulls gains towards less motion, and they are
+/// believed only where nothing predictable is left: on real machines a gravity of 2.99 N m came with a gain of 0.68, and predicted better.
 /// None where no pass over the recordings is finite.
 pub fn diagnose_as_read(problem: Problem, vocabulary: &[&'static Effect]) -> Option<(Problem, Conclusion)> {
     let measured = diagnose(&problem, vocabulary)?;
@@ -89,14 +94,19 @@ pub fn diagnose_as_read(problem: Problem, vocabulary: &[&'static Effect]) -> Opt
         None => (problem, measured),
     };
     let Some(commands) = problem.as_commands() else { return Some((problem, measured)) };
-    let commands = commands.allowing(WORK.saturating_sub(problem.work()));
+    let held = commands.is_held();
+    let left = WORK.saturating_sub(problem.work());
+    let commands = commands.allowing(if held { left } else { left.min(WORK_ON_SAMPLES) });
     let believed = diagnose(&commands, vocabulary).filter(|commanded| {
         let freedom = |found: &Conclusion| found.best.assessed.freedom();
         let simpler = measured.effects.is_empty() || freedom(commanded) < freedom(&measured);
-        let explains = !commanded.cut_short && commanded.remainder.is_none() && simpler;
+        let explains = commanded.remainder.is_none();
+        if !held && !explains {
+            return false;
+        }
         match prediction(&commands, &commanded.best, &measured.best) {
             Prediction::Better => true,
-            Prediction::Alike => explains,
+            Prediction::Alike => !commanded.cut_short && explains && simpler,
             Prediction::Worse => false,
         }
     });

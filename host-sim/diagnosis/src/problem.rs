@@ -105,12 +105,11 @@ impl Problem {
         self.in_substeps(FINER, u64::MAX)
     }
 
-    /// The same with the torque column read as commands, held from row to row, and the motion as their response; none where it is
-    /// read so already, or where samples of a torque are likelier.
+    /// The same with the torque column read as what drives the motion, held from row to row or, where it is samples, from the middle between
+    /// two rows to the next; none where it is read so already.
     pub fn as_commands(&self) -> Option<Self> {
-        let held = self.early_s.iter().all(|early_s| *early_s == 0.0);
         let excitation = Excitation { measured: false, ..self.excitation.clone() };
-        (held && !self.motions.is_empty()).then(|| Self {
+        (!self.motions.is_empty()).then(|| Self {
             motions: Arc::new([]),
             excitation,
             work: Work::of(u64::MAX),
@@ -118,10 +117,15 @@ impl Problem {
         })
     }
 
+    /// Whether the rows of the torque column hold to the next row, and are no samples that stand for half a row to either side.
+    pub(crate) fn is_held(&self) -> bool {
+        self.early_s.iter().all(|early_s| *early_s == 0.0)
+    }
+
     /// The same with the rows of the torque column as samples where they were read as values held to the next row, and the other way
     /// round; none where the column is commands.
     pub fn read_otherwise(&self) -> Option<Self> {
-        let held = self.early_s.iter().all(|early_s| *early_s == 0.0);
+        let held = self.is_held();
         let early_s = self.grids.iter().map(|grid| if held { 0.5 * grid.period_s } else { 0.0 }).collect();
         let lately = self.recordings.iter().map(|_| Lately::default()).collect();
         (!self.motions.is_empty()).then(|| Self { early_s, lately, work: Work::of(u64::MAX), ..self.clone() })

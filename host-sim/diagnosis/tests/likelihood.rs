@@ -10,12 +10,13 @@ use diagnosis::hypothesis::{Hypothesis, Refitted, evaluate, refit};
 use diagnosis::physics::Physics;
 use diagnosis::pipeline::{diagnose, diagnose_as_read};
 use diagnosis::problem::Problem;
+use diagnosis::recorded::Recorded;
 use diagnosis::search::{first_noise, nominal};
 use diagnosis::verdict::Verdict;
 use diagnosis::windows::WindowFit;
-use plant::Model;
 use plant::effects::Harmonic;
-use plant::effects::Shaft;
+use plant::effects::{Shaft, Vibration};
+use plant::{Command, Model};
 
 const SECONDS: f64 = 4.0;
 
@@ -277,4 +278,37 @@ fn what_rings_at_sixty_hertz_is_found_where_commands_are_held() {
     let named = &found.effects[0];
     assert_eq!(named.effect.id, "compliance", "{:?}", found.effects);
     assert!((named.intervals[0].value - 60.0).abs() < 0.6, "{:?}", named.intervals);
+}
+
+/// Of what shakes at 17 Hz they see a thirtieth.
+#[test]
+fn what_shakes_at_seventeen_hertz_is_found_where_the_torque_is_samples() {
+    let prompt = Model { torque_delay_s: 0.0, ..machine() };
+    let shaking = Vibration { frequency_hz: 17.0, amplitude: 0.2, phase_rad: 0.3 };
+    let actual = Model { vibration: Some(shaking), ..prompt.clone() };
+    let making = Making { torque, seconds: 2.0, noise_nm: 0.02, ..PLAIN };
+    let recordings = three(&actual, making).iter().map(every_other_row).collect();
+    let problem = Problem::new(Physics::new(prompt), recordings, 2, STEP_RAD, false);
+    assert!(problem.band_hz().unwrap() < 10.0);
+    let (read, found) = diagnose_as_read(problem, &VOCABULARY).unwrap();
+    assert_eq!(read.band_hz(), None, "{:?} {:?}", found.verdict, found.effects);
+    let shaken = found.effects.iter().find(|one| one.effect.id == "vibration").unwrap();
+    assert!((shaken.intervals[0].value - 17.0).abs() < 0.05, "{:?}", shaken.intervals);
+}
+
+/// What a slower recorder has of it: the torque that acts around its instants.
+fn every_other_row(recorded: &Recorded) -> Recorded {
+    let rows = || (0..recorded.rows()).step_by(2);
+    let around = |row: usize| {
+        let (before, behind) = (recorded.commands[row.saturating_sub(1)], recorded.commands[row]);
+        Command { torque: 0.5 * (before.torque + behind.torque), ..behind }
+    };
+    Recorded {
+        name: recorded.name.clone(),
+        t_s: rows().map(|row| recorded.t_s[row]).collect(),
+        position: rows().map(|row| recorded.position[row]).collect(),
+        commands: rows().map(around).collect(),
+        skipped: rows().map(|row| recorded.skipped[row]).collect(),
+        after_gap: rows().map(|row| recorded.after_gap[row]).collect(),
+    }
 }
