@@ -78,7 +78,7 @@ fn equivalent(
 }
 
 /// Work that a torque of samples may take as the cause of the motion, in substeps of three states: half as much again as three recordings of
-/// 8 s at 2 kHz take. A measured torque of a real machine takes all of it and explains nothing.
+/// 8 s at 2 kHz take. A measured torque that has much that moves nothing takes all of it.
 const WORK_ON_SAMPLES: u64 = 100_000_000;
 
 /// Diagnoses, and returns the problem as its torque column was read: where it may be a measurement, also as the cause of the motion.
@@ -95,6 +95,10 @@ pub fn diagnose_as_read(problem: Problem, vocabulary: &[&'static Effect]) -> Opt
     };
     let Some(commands) = problem.as_commands() else { return Some((problem, measured)) };
     let held = commands.is_held();
+    // What is predictable up to that band is so for a reading that sees more.
+    if !held && measured.remainder.is_some() {
+        return Some((problem, measured));
+    }
     let left = WORK.saturating_sub(problem.work());
     let commands = commands.allowing(if held { left } else { left.min(WORK_ON_SAMPLES) });
     let believed = diagnose(&commands, vocabulary).filter(|commanded| {
