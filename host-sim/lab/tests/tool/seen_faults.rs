@@ -3,11 +3,11 @@
 use std::fs;
 use std::path::Path;
 
-use crate::common::shared;
+use crate::common::{self, shared};
 
 /// Exit code, standard output and standard error of a command; none for the code where it took more than a minute of processor.
 fn run(folder: &Path, arguments: &[&str]) -> (Option<i32>, String, String) {
-    let output = crate::common::run(folder, arguments).output;
+    let output = common::run(folder, arguments).output;
     let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
     (output.status.code(), text(&output.stdout), text(&output.stderr))
 }
@@ -161,7 +161,7 @@ fn a_machine_however_stiff_costs_no_more_than_any_other() {
     ];
     for (axis, name, machine) in machines {
         fs::write(folder.path().join("m.toml"), machine).unwrap();
-        let ended = crate::common::run(folder.path(), &["compare", "--machine", "m.toml", &format!("{axis}.csv")]);
+        let ended = common::run(folder.path(), &["compare", "--machine", "m.toml", &format!("{axis}.csv")]);
         println!("{name}: {:.2} s, {:.2} s of processor", ended.wall_s, ended.cpu_s);
         assert_eq!(ended.fault(), None, "{name}");
         let errors = String::from_utf8_lossy(&ended.output.stderr);
@@ -180,7 +180,7 @@ fn a_model_that_is_too_stiff_to_follow_is_refused_with_what_to_check() {
     };
     let rows: String = (0..60).map(row).collect();
     fs::write(folder.path().join("run.csv"), format!("t_s,position_rad,torque_cmd_nm\n{rows}")).unwrap();
-    let ended = crate::common::run(folder.path(), &["compare", "--machine", "m.toml", "run.csv"]);
+    let ended = common::run(folder.path(), &["compare", "--machine", "m.toml", "run.csv"]);
     println!("{:.2} s of processor: {}", ended.cpu_s, String::from_utf8_lossy(&ended.output.stderr));
     assert_eq!(ended.fault(), None);
 }
