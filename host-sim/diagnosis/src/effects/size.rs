@@ -54,8 +54,9 @@ impl Size {
             Self::PerWork => (excitation.torque_rms * speed * excitation.duration_s).max(1e-9).recip(),
             Self::PerDuration => excitation.duration_s.max(1e-6).recip(),
             Self::Rate => excitation.period_s.max(1e-6).recip(),
+            Self::Step if excitation.step > 0.0 => excitation.step,
             // Of a continuous sensor, what shows in a travel of a million steps.
-            Self::Step => excitation.step.max(1e-6 * travel),
+            Self::Step => 1e-6 * travel,
         }
     }
 }
