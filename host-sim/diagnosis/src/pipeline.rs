@@ -1,6 +1,6 @@
 //! From recordings to the conclusion; the only place that knows every stage.
 
-use crate::confidence_set::{Comparison, Interval, Step, excluded, intervals};
+use crate::confidence_set::{Comparison, Interval, Step, alike_in_part, excluded, intervals};
 use crate::effects::{Effect, VOCABULARY};
 use crate::hypothesis::{Entry, Hypothesis, refit};
 use crate::problem::Problem;
@@ -60,7 +60,7 @@ const MOST_COLLINEAR: f64 = 0.99;
 /// Most equivalents that are listed (diagnosis.md).
 const MOST_EQUIVALENTS: usize = 3;
 
-/// What no motion tells from it, then what these recordings do not.
+/// What no motion tells from it, then what these recordings do not tell from it or from a part of it.
 fn equivalent(
     problem: &Problem,
     effect: &'static Effect,
@@ -186,7 +186,7 @@ fn concluded(problem: &Problem, vocabulary: &[&'static Effect]) -> Option<Conclu
         None => without_doubtful(problem, Found { best: found.best.clone().widened(problem), ..found }),
     };
     let left = remainder(finer.as_ref().unwrap_or(problem), &found);
-    let (effects, in_the_set) = named(problem, &found);
+    let (effects, in_the_set) = named(problem, &found, vocabulary);
     if let Some(finer) = finer {
         problem.work.add(&finer.work);
     }
@@ -276,7 +276,7 @@ fn beside<'a>(found: &'a Found, excluded: &[bool], at: usize) -> Beside<'a> {
     beside
 }
 
-fn named(problem: &Problem, found: &Found) -> (Vec<Named>, Vec<Hypothesis>) {
+fn named(problem: &Problem, found: &Found, vocabulary: &[&'static Effect]) -> (Vec<Named>, Vec<Hypothesis>) {
     let best = &found.best.assessed;
     let mut in_the_set: Vec<(f64, Hypothesis)> = Vec::new();
     let comparisons: Vec<Comparison> = found.rivals.iter().map(|rival| rival.behind).collect();
@@ -294,12 +294,13 @@ fn named(problem: &Problem, found: &Found) -> (Vec<Named>, Vec<Hypothesis>) {
             Some(fewest) if fewest > best.freedom() => Standing::CertainBySimplicity,
             Some(_) => Standing::Contested,
         };
+        let in_part = alike_in_part(problem, best, at, vocabulary);
         let (p_value, gain) = found.evidence.get(at).copied().unwrap_or((1.0, 0.0));
         effects.push(Named {
             effect: entry.effect,
             entry: entry.clone(),
             intervals: intervals(best, at),
-            equivalent: equivalent(problem, entry.effect, alike.iter().map(|(.., other)| *other)),
+            equivalent: equivalent(problem, entry.effect, alike.iter().map(|(.., other)| *other).chain(in_part)),
             nuisances,
             standing,
             p_value,

@@ -14,8 +14,7 @@ use diagnosis::recorded::Recorded;
 use diagnosis::search::{first_noise, nominal};
 use diagnosis::verdict::Verdict;
 use diagnosis::windows::WindowFit;
-use plant::effects::Harmonic;
-use plant::effects::{Shaft, Vibration};
+use plant::effects::{Asymmetry, Harmonic, Shaft, Vibration};
 use plant::{Command, Model};
 
 const SECONDS: f64 = 4.0;
@@ -177,6 +176,22 @@ fn intervals_know_of_the_memory_of_the_noise() {
     let value = found.effects[0].intervals[0];
     // Four standard deviations: one seed is no coverage.
     assert!((value.value - 0.03).abs() < 2.0 * (value.high - value.low), "{value:?}");
+}
+
+/// Every recording goes one way: half the difference of an asymmetry is an offset there, and its slopes are none.
+#[test]
+fn an_asymmetry_lists_the_offset_that_one_of_its_values_may_be() {
+    fn one_way(t_s: f64, seed: f64) -> f64 {
+        let way = if seed == 2.0 { -1.0 } else { 1.0 };
+        way * (1.2 + 0.6 * (3.1 * t_s + seed).sin() + 0.2 * (17.0 * t_s).sin())
+    }
+    let asymmetry = Asymmetry { coulomb: 0.2, viscous: 0.02 };
+    let nominal = Model { viscous: 0.04, ..machine() };
+    let actual = Model { asymmetry, ..nominal.clone() };
+    let found = diagnose(&made(Making { torque: one_way, ..PLAIN }, nominal, &actual), &VOCABULARY).unwrap();
+    assert_eq!(found.effects.first().map(|named| named.effect.id), Some("friction_asymmetry"), "{:?}", found.effects);
+    let equivalent: Vec<&str> = found.effects[0].equivalent.iter().map(|effect| effect.id).collect();
+    assert!(equivalent.contains(&"torque_offset"), "{equivalent:?}");
 }
 
 /// Every 250th sample is off, by 6 mrad one way or the other.

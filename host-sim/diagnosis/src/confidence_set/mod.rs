@@ -3,6 +3,7 @@
 mod compare;
 mod information;
 mod intervals;
+mod parts;
 mod profile;
 
 use crate::hypothesis::{Refitted, refit};
@@ -14,6 +15,7 @@ pub use information::{Assessed, assess};
 pub(crate) use information::{OTHER_NOISE, add_spread};
 pub(crate) use intervals::SMALLEST_SIZE;
 pub use intervals::{Interval, TWO_SIDED_95, intervals, slopes};
+pub(crate) use parts::alike_in_part;
 
 /// Steps of a refit on a finer grid, from values that a coarser one gave.
 const STEPS: usize = 4;
