@@ -59,6 +59,43 @@ fn bits(recording: &Recording) -> String {
     format!("{recording:?}")
 }
 
+/// A case that drawing found once: sequence numbers that end beyond 2^53, steps of a nanosecond, a negative zero, and texts of quotes and
+/// line ends beside them.
+#[test]
+fn a_case_that_was_lost_once_reads_back() {
+    let texts = ["w", "fé\"\ne", " s", " ,o", "\"\"ééée", " é,n", "\n p\nk", "\n\"m"];
+    let rows = texts.len();
+    let seq = vec![
+        1 << 11,
+        2 << 11,
+        3 << 11,
+        7597 << 11,
+        315_646_516_577_181_339,
+        519_055_976_586_757_193,
+        976_543_164_816_128_397,
+        u64::MAX / 2,
+    ];
+    let recording = Recording {
+        name: "r".to_owned(),
+        t_s: (1..=rows).map(|row| -5.0 + 1e-9 * row as f64).collect(),
+        position: vec![0.0; rows],
+        effort_cmd: vec![0.0; rows],
+        mode: Some(vec![Mode::Off; rows]),
+        velocity: Some(vec![-0.0; rows]),
+        temperature_c: Some((0..rows).map(|row| if row == 2 { -0.0 } else { 0.0 }).collect()),
+        seq: Some(seq),
+        fault: Some((0..rows as u32).map(|row| u32::MAX - row).collect()),
+        extra: vec![("note".to_owned(), texts.map(str::to_owned).to_vec())],
+        ..Recording::empty(AxisKind::Linear)
+    };
+    for extension in ["csv", "parquet"] {
+        assert_eq!(bits(&written_and_read(&recording, extension)), bits(&recording), "{extension}");
+    }
+    let seq = recording.seq.as_ref().map(|seq| seq.iter().map(|value| value >> 11).collect());
+    let in_json = Recording { seq, ..recording };
+    assert_eq!(bits(&written_and_read(&in_json, "mcap")), bits(&in_json));
+}
+
 proptest! {
     #![proptest_config(ProptestConfig {
         cases: 200,
