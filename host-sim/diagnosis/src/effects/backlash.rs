@@ -2,7 +2,7 @@
 
 use plant::effects::Shaft;
 
-use super::{Effect, LOAD_SIDE, PLAIN, Parameter, Size, free, rough, sized};
+use super::{Effect, LOAD_SIDE, PLAIN, Parameter, Size, free, rough, shown, sized};
 
 /// Up to a quarter of the sample rate: four samples a period show it.
 const RESONANCE: Parameter = sized(Size::Rate, 1e-4, 0.25, 2.5e-3);
@@ -31,5 +31,6 @@ pub static EFFECT: Effect = Effect {
     widens: Some((&super::compliance::EFFECT, |shaft, e| {
         GAPS.map(|gap| [&[gap * e.travel.max(1e-6)], shaft].concat()).to_vec()
     })),
+    example: shown(|f| vec![0.004 * f, 60.0, 0.05, 0.4 * f]),
     ..PLAIN
 };

@@ -1,6 +1,8 @@
 //! Torque over position: amplitude sin(order th + phase); one entry for each order.
 
-use super::{Columns, Effect, HOLDING, PLAIN, Size, amplitude_order_phase, fixed, harmonic, order_sine_cosine, sized};
+use super::{
+    Columns, Effect, HOLDING, PLAIN, Size, amplitude_order_phase, fixed, harmonic, order_sine_cosine, shown, sized,
+};
 
 /// The entry of the vocabulary.
 pub static EFFECT: Effect = Effect {
@@ -17,5 +19,6 @@ pub static EFFECT: Effect = Effect {
     repeats: true,
     looked_at: |e| e.looked_at[0],
     measured_by: Some(HOLDING),
+    example: shown(|f| vec![14.0, 0.16 * f, 0.25 * f]),
     ..PLAIN
 };

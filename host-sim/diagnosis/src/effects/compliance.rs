@@ -2,7 +2,7 @@
 
 use plant::effects::Shaft;
 
-use super::{Effect, LOAD_SIDE, PLAIN, Parameter, Size, free, sized};
+use super::{Effect, LOAD_SIDE, PLAIN, Parameter, Size, free, shown_by, sized};
 
 /// Up to a quarter of the sample rate: four samples a period show it.
 const RESONANCE: Parameter = sized(Size::Rate, 1e-4, 0.25, 2.5e-3);
@@ -21,5 +21,7 @@ pub static EFFECT: Effect = Effect {
     put: |p, v| p.model.shaft = Some(Shaft { resonance_hz: v[0], damping_ratio: v[1], inertia_ratio: v[2], gap: 0.0 }),
     measured_by: Some(LOAD_SIDE),
     remembers: true,
+    // A shaft of no compliance would resonate at infinity; 40 Hz with a load that grows.
+    example: shown_by(2, |f| vec![40.0, 0.03, 0.4 * f]),
     ..PLAIN
 };

@@ -1,6 +1,6 @@
 //! Dry friction: -c sign(w).
 
-use super::{Columns, Effect, PLAIN, Size, sized};
+use super::{Columns, Effect, PLAIN, Size, shown, sized};
 
 /// The entry of the vocabulary.
 pub static EFFECT: Effect = Effect {
@@ -11,5 +11,6 @@ pub static EFFECT: Effect = Effect {
     put: |p, v| p.model.coulomb = v[0],
     neutral: |p| p.model.coulomb,
     columns: Columns::Each,
+    example: shown(|f| vec![0.763 + 0.19 * f]),
     ..PLAIN
 };

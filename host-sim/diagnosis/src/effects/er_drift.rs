@@ -1,6 +1,6 @@
 //! The electrorheological torque times 1 + r t.
 
-use super::{Columns, Effect, PLAIN, VOLTAGE, free, with_field};
+use super::{Columns, Effect, PLAIN, VOLTAGE, free, shown, with_field};
 
 /// The entry of the vocabulary.
 pub static EFFECT: Effect = Effect {
@@ -16,5 +16,6 @@ pub static EFFECT: Effect = Effect {
     },
     columns: Columns::Each,
     measured_by: Some(VOLTAGE),
+    example: shown(|f| vec![-0.03 * f]),
     ..PLAIN
 };

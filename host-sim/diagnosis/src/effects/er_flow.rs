@@ -4,7 +4,7 @@
 
 use plant::er_fluid::{FlowCurve, LEAST_EXPONENT};
 
-use super::{Effect, PLAIN, Size, commanded, free, sized, with_field};
+use super::{Effect, PLAIN, Size, commanded, free, shown, sized, with_field};
 
 /// The entry of the vocabulary.
 pub static EFFECT: Effect = Effect {
@@ -23,5 +23,6 @@ pub static EFFECT: Effect = Effect {
         let curve = FlowCurve { consistency: 0.0, consistency_per_kv_mm: v[0], exponent: v[1] };
         p.with_field(|field| field.flow = Some(curve));
     },
+    example: shown(|f| vec![0.05 * f, 0.5]),
     ..PLAIN
 };

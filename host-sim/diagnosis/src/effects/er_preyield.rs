@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use super::{Effect, PLAIN, Size, sized, with_field};
+use super::{Effect, PLAIN, Size, shown, sized, with_field};
 
 /// The entry of the vocabulary.
 pub static EFFECT: Effect = Effect {
@@ -22,5 +22,6 @@ pub static EFFECT: Effect = Effect {
     },
     neutral: |_| f64::INFINITY,
     remembers: true,
+    example: shown(|f| vec![300.0 / f]),
     ..PLAIN
 };

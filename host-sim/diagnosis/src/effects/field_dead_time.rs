@@ -1,6 +1,6 @@
 //! The commanded field acts after a dead time: E_d(t) = E(t - d).
 
-use super::{Effect, PLAIN, free, with_field};
+use super::{Effect, PLAIN, free, shown, with_field};
 
 /// The entry of the vocabulary.
 pub static EFFECT: Effect = Effect {
@@ -16,5 +16,6 @@ pub static EFFECT: Effect = Effect {
         p.with_field(|field| field.dead_time_s = v[0]);
     },
     neutral: |p| p.field().map_or(0.0, |field| field.dead_time_s),
+    example: shown(|f| vec![0.002 + 0.003 * f]),
     ..PLAIN
 };

@@ -1,6 +1,6 @@
 //! The field that acts is a gain times the commanded one.
 
-use super::{Columns, Effect, PLAIN, VOLTAGE, free, with_field};
+use super::{Columns, Effect, PLAIN, VOLTAGE, free, shown, with_field};
 
 /// The entry of the vocabulary.
 pub static EFFECT: Effect = Effect {
@@ -17,5 +17,6 @@ pub static EFFECT: Effect = Effect {
     neutral: |_| 1.0,
     columns: Columns::Each,
     measured_by: Some(VOLTAGE),
+    example: shown(|f| vec![1.0 - 0.15 * f]),
     ..PLAIN
 };

@@ -3,7 +3,7 @@
 
 use plant::er_fluid::Kinetics;
 
-use super::{Effect, PLAIN, free, with_field};
+use super::{Effect, PLAIN, free, shown, with_field};
 
 /// Fields that differ by less than this share are one level: it is about what a converter of eight bits rounds off at a tenth of
 /// its range, and changes a time constant by a tenth at most.
@@ -27,6 +27,7 @@ pub static EFFECT: Effect = Effect {
         p.with_field(|field| field.kinetics = Kinetics { rise_exponent: v[0], fall_exponent: v[1] });
     },
     leading: &[0, 1],
+    example: shown(|f| vec![f, f]),
     ..PLAIN
 };
 

@@ -1,6 +1,6 @@
 //! First-order lag of the field: tau dE_d/dt = E - E_d.
 
-use super::{Effect, PLAIN, free, with_field};
+use super::{Effect, PLAIN, free, shown, with_field};
 
 /// The entry of the vocabulary.
 pub static EFFECT: Effect = Effect {
@@ -16,5 +16,6 @@ pub static EFFECT: Effect = Effect {
         p.with_field(|field| (field.rise_s, field.fall_s) = (v[0], v[0]));
     },
     neutral: |p| p.field().map_or(0.0, |field| field.rise_s),
+    example: shown(|f| vec![0.003 + 0.005 * f]),
     ..PLAIN
 };

@@ -1,6 +1,6 @@
 //! First-order lag of the field that differs for rising and falling field.
 
-use super::{Effect, PLAIN, free, with_field};
+use super::{Effect, PLAIN, free, shown_by, with_field};
 
 /// The entry of the vocabulary.
 pub static EFFECT: Effect = Effect {
@@ -26,5 +26,6 @@ pub static EFFECT: Effect = Effect {
     },
     leading: &[1],
     neutral: |p| p.field().map_or(0.0, |field| field.fall_s),
+    example: shown_by(1, |f| vec![0.003, 0.003 + 0.009 * f]),
     ..PLAIN
 };

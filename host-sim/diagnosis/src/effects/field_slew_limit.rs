@@ -1,6 +1,6 @@
 //! The field changes at a limited rate: |dE_d/dt| <= r.
 
-use super::{Effect, PLAIN, Size, sized, with_field};
+use super::{Effect, PLAIN, Size, shown, sized, with_field};
 
 /// The entry of the vocabulary.
 pub static EFFECT: Effect = Effect {
@@ -17,5 +17,6 @@ pub static EFFECT: Effect = Effect {
         p.with_field(|field| field.slew_kv_mm_s = Some(v[0]));
     },
     neutral: |_| f64::INFINITY,
+    example: shown(|f| vec![200.0 / f]),
     ..PLAIN
 };

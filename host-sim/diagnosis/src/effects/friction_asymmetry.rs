@@ -2,7 +2,7 @@
 
 use plant::effects::Asymmetry;
 
-use super::{Columns, Effect, PLAIN, Size, sized};
+use super::{Columns, Effect, PLAIN, Size, shown, sized};
 
 /// The entry of the vocabulary.
 pub static EFFECT: Effect = Effect {
@@ -13,5 +13,6 @@ pub static EFFECT: Effect = Effect {
     put: |p, v| p.model.asymmetry = Asymmetry { coulomb: v[0], viscous: v[1] },
     columns: Columns::Each,
     leading: &[0, 1],
+    example: shown(|f| vec![0.3 * f, 0.0]),
     ..PLAIN
 };

@@ -2,7 +2,7 @@
 
 use plant::effects::Gravity;
 
-use super::{Columns, Effect, HOLDING, PLAIN, Size, sized};
+use super::{Columns, Effect, HOLDING, PLAIN, Size, shown, sized};
 
 /// The entry of the vocabulary.
 pub static EFFECT: Effect = Effect {
@@ -16,5 +16,6 @@ pub static EFFECT: Effect = Effect {
     fitted: |v, _| Some(vec![v[0] * v[1].cos(), v[0] * v[1].sin()]),
     columns: Columns::Each,
     measured_by: Some(HOLDING),
+    example: shown(|f| vec![0.46 * f, 0.2 * f]),
     ..PLAIN
 };

@@ -1,6 +1,6 @@
 //! The moving inertia.
 
-use super::{Columns, Effect, PLAIN, Size, WEIGH, sized};
+use super::{Columns, Effect, PLAIN, Size, WEIGH, shown, sized};
 
 /// The entry of the vocabulary.
 pub static EFFECT: Effect = Effect {
@@ -12,5 +12,6 @@ pub static EFFECT: Effect = Effect {
     neutral: |p| p.model.inertia,
     columns: Columns::Each,
     measured_by: Some(WEIGH),
+    example: shown(|f| vec![0.075 + 0.007 * f]),
     ..PLAIN
 };

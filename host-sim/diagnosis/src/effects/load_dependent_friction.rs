@@ -1,6 +1,6 @@
 //! Dry friction that grows with the torque that is transmitted: level + k |drive torque|.
 
-use super::{Columns, Effect, PLAIN, commanded, free};
+use super::{Columns, Effect, PLAIN, commanded, free, shown};
 
 /// The entry of the vocabulary.
 pub static EFFECT: Effect = Effect {
@@ -15,5 +15,6 @@ pub static EFFECT: Effect = Effect {
     put: |p, v| p.model.load_friction = v[0],
     neutral: |p| p.model.load_friction,
     columns: Columns::Each,
+    example: shown(|f| vec![0.1 * f]),
     ..PLAIN
 };

@@ -13,6 +13,7 @@ mod er_drift;
 mod er_flow;
 mod er_preyield;
 mod er_strength;
+mod example;
 mod field_dead_time;
 mod field_gain;
 mod field_kinetics;
@@ -55,6 +56,8 @@ use plant::effects::{Harmonic, Pulse};
 use crate::physics::{Physics, Tone};
 use crate::repetition::Repetition;
 
+pub use example::Example;
+pub(crate) use example::{shown, shown_as_another, shown_by};
 pub use nuisances::NUISANCES;
 pub use parameter::{Parameter, Range};
 pub(crate) use parameter::{fixed, free, rough, searched, sized};
@@ -175,6 +178,8 @@ pub struct Effect {
     pub first: bool,
     /// It may be the answer; else it only competes.
     pub nameable: bool,
+    /// Its sizes on the default servo; none for events and wrong samples, which no experiment brings back.
+    pub example: Option<Example>,
 }
 
 /// What most entries have; an entry overrides what it has otherwise.
@@ -202,6 +207,7 @@ pub(crate) const PLAIN: Effect = Effect {
     measured_by: None,
     first: false,
     nameable: true,
+    example: None,
 };
 
 impl std::fmt::Debug for Effect {

@@ -1,6 +1,6 @@
 //! Dry friction as a bristle (Dahl): dF/dx = k (1 - F/c sign(w)).
 
-use super::{Effect, PLAIN, Size, sized};
+use super::{Effect, PLAIN, Size, shown, sized};
 
 /// Steps from one start to the next: the likelihood over the stiffness is wider than its factor.
 const FINER: f64 = 3.0;
@@ -25,6 +25,7 @@ pub static EFFECT: Effect = Effect {
     put: |p, v| p.model.presliding_stiffness = Some(v[0]),
     neutral: |_| f64::INFINITY,
     remembers: true,
+    example: shown(|f| vec![400.0 / f]),
     ..PLAIN
 };
 

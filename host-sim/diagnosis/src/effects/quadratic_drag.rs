@@ -1,6 +1,6 @@
 //! Drag that grows with the square of speed: -k w |w|.
 
-use super::{Columns, Effect, PLAIN, Size, sized};
+use super::{Columns, Effect, PLAIN, Size, shown, sized};
 
 /// The entry of the vocabulary.
 pub static EFFECT: Effect = Effect {
@@ -10,5 +10,6 @@ pub static EFFECT: Effect = Effect {
     starts: |p, _| vec![vec![p.model.quadratic_drag]],
     put: |p, v| p.model.quadratic_drag = v[0],
     columns: Columns::Each,
+    example: shown(|f| vec![0.1 * f]),
     ..PLAIN
 };

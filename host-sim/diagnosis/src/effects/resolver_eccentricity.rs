@@ -1,6 +1,6 @@
 //! The measured position is th + amplitude sin(order th + phase).
 
-use super::{Columns, Effect, PLAIN, Size, amplitude_order_phase, fixed, harmonic, order_sine_cosine, sized};
+use super::{Columns, Effect, PLAIN, Size, amplitude_order_phase, fixed, harmonic, order_sine_cosine, shown, sized};
 
 /// The entry of the vocabulary. A sensor that errs by more than a fiftieth of the travel is broken, and its slope is none of
 /// a small correction any more.
@@ -22,5 +22,6 @@ pub static EFFECT: Effect = Effect {
     lowest_order: Some(1.0),
     repeats: true,
     looked_at: |e| e.looked_at[0],
+    example: shown(|f| vec![4.0, 0.0018 * f, 0.001 * f]),
     ..PLAIN
 };

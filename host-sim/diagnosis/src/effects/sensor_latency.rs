@@ -1,6 +1,6 @@
 //! The position is reported late: measured(t) = th(t - d); negative where commands are stamped late.
 
-use super::{CURRENT_STEP, Effect, PLAIN, commanded, free};
+use super::{CURRENT_STEP, Effect, PLAIN, commanded, free, shown};
 
 /// The entry of the vocabulary.
 pub static EFFECT: Effect = Effect {
@@ -12,5 +12,6 @@ pub static EFFECT: Effect = Effect {
     put: |p, v| p.model.sensor.latency_s = v[0],
     alike: &["torque_delay", "channel_skew"],
     measured_by: Some(CURRENT_STEP),
+    example: shown(|f| vec![0.0012 * f]),
     ..PLAIN
 };

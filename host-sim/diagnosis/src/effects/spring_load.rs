@@ -1,6 +1,6 @@
 //! A spring to position 0: -k th.
 
-use super::{Columns, Effect, HOLDING, PLAIN, Size, sized};
+use super::{Columns, Effect, HOLDING, PLAIN, Size, shown, sized};
 
 /// The entry of the vocabulary.
 pub static EFFECT: Effect = Effect {
@@ -11,5 +11,6 @@ pub static EFFECT: Effect = Effect {
     put: |p, v| p.model.spring_stiffness = v[0],
     columns: Columns::Each,
     measured_by: Some(HOLDING),
+    example: shown(|f| vec![0.6 * f]),
     ..PLAIN
 };

@@ -2,7 +2,7 @@
 
 use plant::effects::Warming;
 
-use super::{Effect, PLAIN, Size, VOLTAGE, sized, with_field};
+use super::{Effect, PLAIN, Size, VOLTAGE, shown, sized, with_field};
 
 /// The entry of the vocabulary. Each recording begins cold, at the nominal strength.
 pub static EFFECT: Effect = Effect {
@@ -20,5 +20,6 @@ pub static EFFECT: Effect = Effect {
         }
     },
     measured_by: Some(VOLTAGE),
+    example: shown(|f| vec![0.02 * f, 0.1]),
     ..PLAIN
 };

@@ -1,6 +1,6 @@
 //! Commands within a band give nothing, those outside lose the band.
 
-use super::{Effect, PLAIN, Size, commanded, sized};
+use super::{Effect, PLAIN, Size, commanded, shown, sized};
 
 /// The entry of the vocabulary.
 pub static EFFECT: Effect = Effect {
@@ -10,5 +10,6 @@ pub static EFFECT: Effect = Effect {
     applies: commanded,
     starts: |_, e| [0.02, 0.05, 0.15].iter().map(|&v| vec![v * e.torque_rms]).collect(),
     put: |p, v| p.model.torque_deadband = v[0],
+    example: shown(|f| vec![0.3 * f]),
     ..PLAIN
 };

@@ -1,6 +1,6 @@
 //! The commanded torque acts after a delay.
 
-use super::{CURRENT_STEP, Effect, PLAIN, commanded, free};
+use super::{CURRENT_STEP, Effect, PLAIN, commanded, free, shown};
 
 /// The entry of the vocabulary.
 pub static EFFECT: Effect = Effect {
@@ -20,5 +20,6 @@ pub static EFFECT: Effect = Effect {
     neutral: |p| p.model.torque_delay_s,
     alike: &["sensor_latency", "channel_skew"],
     measured_by: Some(CURRENT_STEP),
+    example: shown(|f| vec![0.005 + 0.0012 * f]),
     ..PLAIN
 };

@@ -1,6 +1,6 @@
 //! The drive gives a gain times the commanded torque.
 
-use super::{Columns, Effect, PLAIN, WEIGH, free};
+use super::{Columns, Effect, PLAIN, WEIGH, free, shown};
 
 /// The entry of the vocabulary.
 pub static EFFECT: Effect = Effect {
@@ -12,5 +12,6 @@ pub static EFFECT: Effect = Effect {
     neutral: |p| p.model.torque_gain,
     columns: Columns::Each,
     measured_by: Some(WEIGH),
+    example: shown(|f| vec![1.0 - 0.07 * f]),
     ..PLAIN
 };

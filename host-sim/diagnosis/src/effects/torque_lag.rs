@@ -1,6 +1,6 @@
 //! First-order lag of the torque: tau dT/dt = T_cmd - T.
 
-use super::{CURRENT_STEP, Effect, PLAIN, commanded, free};
+use super::{CURRENT_STEP, Effect, PLAIN, commanded, free, shown};
 
 /// The entry of the vocabulary.
 pub static EFFECT: Effect = Effect {
@@ -11,5 +11,6 @@ pub static EFFECT: Effect = Effect {
     starts: |_, _| [0.5e-3, 1.5e-3, 4e-3, 10e-3].iter().map(|&v| vec![v]).collect(),
     put: |p, v| p.model.torque_lag_s = v[0],
     measured_by: Some(CURRENT_STEP),
+    example: shown(|f| vec![0.0015 * f]),
     ..PLAIN
 };

@@ -1,6 +1,6 @@
 //! The drive adds a constant torque.
 
-use super::{Columns, Effect, HOLDING, PLAIN, Size, sized};
+use super::{Columns, Effect, HOLDING, PLAIN, Size, shown, sized};
 
 /// The entry of the vocabulary.
 pub static EFFECT: Effect = Effect {
@@ -12,5 +12,6 @@ pub static EFFECT: Effect = Effect {
     neutral: |p| p.model.torque_offset,
     columns: Columns::Each,
     measured_by: Some(HOLDING),
+    example: shown(|f| vec![0.2 * f]),
     ..PLAIN
 };

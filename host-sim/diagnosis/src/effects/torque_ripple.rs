@@ -1,6 +1,8 @@
 //! The drive's gain over position: 1 + amplitude sin(order th + phase); one entry for each order.
 
-use super::{Columns, Effect, PLAIN, amplitude_order_phase, commanded, fixed, free, harmonic, order_sine_cosine};
+use super::{
+    Columns, Effect, PLAIN, amplitude_order_phase, commanded, fixed, free, harmonic, order_sine_cosine, shown,
+};
 
 /// The entry of the vocabulary.
 pub static EFFECT: Effect = Effect {
@@ -18,5 +20,6 @@ pub static EFFECT: Effect = Effect {
     lowest_order: Some(1.0),
     repeats: true,
     looked_at: |e| e.looked_at[0],
+    example: shown(|f| vec![14.0, 0.06 * f, 0.05 * f]),
     ..PLAIN
 };

@@ -1,6 +1,6 @@
 //! The drive's torque is limited either way.
 
-use super::{Effect, PLAIN, Size, WEIGH, commanded, sized};
+use super::{Effect, PLAIN, Size, WEIGH, commanded, shown, sized};
 
 /// The entry of the vocabulary.
 pub static EFFECT: Effect = Effect {
@@ -12,5 +12,6 @@ pub static EFFECT: Effect = Effect {
     put: |p, v| p.model.torque_limit = Some(v[0]),
     neutral: |p| p.model.torque_limit.unwrap_or(f64::INFINITY),
     measured_by: Some(WEIGH),
+    example: shown(|f| vec![30.0 / (1.0 + 1.5 * f)]),
     ..PLAIN
 };

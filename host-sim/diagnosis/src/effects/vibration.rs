@@ -2,7 +2,7 @@
 
 use crate::physics::Tone;
 
-use super::{Columns, Effect, PLAIN, Size, free, sized};
+use super::{Columns, Effect, PLAIN, Size, free, shown_by, sized};
 
 /// The entry of the vocabulary.
 pub static EFFECT: Effect = Effect {
@@ -32,5 +32,6 @@ pub static EFFECT: Effect = Effect {
     recording_of: |_, index| index.checked_sub(1).map(|index| index / 2),
     looked_at: |e| e.looked_at[1],
     leading: &[1],
+    example: shown_by(1, |f| vec![17.3, 0.25 * f, 0.0]),
     ..PLAIN
 };

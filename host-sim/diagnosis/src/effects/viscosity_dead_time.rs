@@ -3,7 +3,7 @@
 use plant::FluidResponse;
 
 use super::viscosity_lag::no_delay_of_viscosity;
-use super::{Effect, PLAIN, free, strongest, with_field};
+use super::{Effect, PLAIN, free, shown_as_another, strongest, with_field};
 
 /// The entry of the vocabulary.
 pub static EFFECT: Effect = Effect {
@@ -19,5 +19,6 @@ pub static EFFECT: Effect = Effect {
         }
     },
     neutral: no_delay_of_viscosity,
+    example: shown_as_another(|_| vec![0.005]),
     ..PLAIN
 };

@@ -4,7 +4,7 @@ use plant::FluidResponse;
 
 use crate::physics::Physics;
 
-use super::{Effect, PLAIN, free, strongest, with_field};
+use super::{Effect, PLAIN, free, shown_as_another, strongest, with_field};
 
 /// The entry of the vocabulary.
 pub static EFFECT: Effect = Effect {
@@ -20,6 +20,7 @@ pub static EFFECT: Effect = Effect {
         }
     },
     neutral: no_delay_of_viscosity,
+    example: shown_as_another(|_| vec![0.005]),
     ..PLAIN
 };
 

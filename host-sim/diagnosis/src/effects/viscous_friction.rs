@@ -1,6 +1,6 @@
 //! Friction linear in speed: -B w.
 
-use super::{Columns, Effect, PLAIN, Size, sized};
+use super::{Columns, Effect, PLAIN, Size, shown, sized};
 
 /// The entry of the vocabulary.
 pub static EFFECT: Effect = Effect {
@@ -11,5 +11,6 @@ pub static EFFECT: Effect = Effect {
     put: |p, v| p.model.viscous = v[0],
     neutral: |p| p.model.viscous,
     columns: Columns::Each,
+    example: shown(|f| vec![0.15 * f]),
     ..PLAIN
 };

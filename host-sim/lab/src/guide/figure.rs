@@ -15,7 +15,7 @@ const HORIZON_S: f64 = 0.05;
 /// Residual torque of the nominal model over the channel that explains most of it, on whichever experiment shows it best.
 pub(super) fn figure(guide: &Guide, sized: &Sized, items: &[Item]) -> Option<Figure> {
     let channels = [Channel::Speed, Channel::Position, Channel::Field, Channel::Time];
-    let physics = Guide::hypothesis(sized, 1.0)?.physics(&guide.nominal);
+    let physics = Guide::hypothesis(sized, 1.0).physics(&guide.nominal);
     let drive = Loop::of(&guide.machine, &guide.limits);
     let mut best: Option<(f64, Panel)> = None;
     for item in items {
@@ -29,7 +29,7 @@ pub(super) fn figure(guide: &Guide, sized: &Sized, items: &[Item]) -> Option<Fig
         }
     }
     let (explained, panel) = best?;
-    let title = format!("{}: {:.0} % of the squares follow this channel", sized.id, 100.0 * explained);
+    let title = format!("{}: {:.0} % of the squares follow this channel", sized.effect.id, 100.0 * explained);
     Some(Figure { title, panels: vec![panel] })
 }
 

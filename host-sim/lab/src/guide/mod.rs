@@ -11,7 +11,7 @@ mod table;
 pub use shown::{Shown, shown};
 pub use table::markdown;
 
-use diagnosis::effects::{Effect, find};
+use diagnosis::effects::{Effect, VOCABULARY};
 use diagnosis::hypothesis::Hypothesis;
 use diagnosis::likelihood::Noise;
 use diagnosis::physics::Physics;
@@ -25,7 +25,7 @@ use crate::plot::Figure;
 use crate::progress::Progress;
 use crate::propose::{Item, Limits, Loop, Request, best};
 use crate::read::{Axis, AxisKind, ErNominal, Machine, PlantNominal, vocabulary};
-use sizes::{SIZES, Sized};
+use sizes::Sized;
 
 /// Signatures closer than this are confused, degrees.
 const CONFUSED_DEG: f64 = 25.0;
@@ -74,7 +74,7 @@ pub struct Guide {
 /// Each effect but events and wrong samples, in the order of the vocabulary, with fitted values at which it is clear on the default
 /// machine.
 pub fn clear() -> impl Iterator<Item = (&'static Effect, Vec<f64>)> {
-    SIZES.iter().filter_map(|sized| Some((find(sized.id)?, (sized.at)(1.0))))
+    VOCABULARY.iter().filter_map(|&effect| Some((effect, (effect.example?.at)(1.0))))
 }
 
 /// Torque noise held over each control period, N m.
@@ -130,8 +130,8 @@ fn slow_sine() -> [Item; 1] {
 }
 
 impl Guide {
-    fn hypothesis(sized: &Sized, size: f64) -> Option<Hypothesis> {
-        Some(Hypothesis::default().with(find(sized.id)?, (sized.at)(size)))
+    fn hypothesis(sized: &Sized, size: f64) -> Hypothesis {
+        Hypothesis::default().with(sized.effect, (sized.example.at)(size))
     }
 
     /// What a machine with those effects would record along each experiment; none where one cannot be run.
@@ -148,54 +148,55 @@ impl Guide {
 
     /// One page for each effect that an experiment can show, in the order of the vocabulary; with `only`, of those named.
     pub fn pages(&self, only: &[String]) -> Vec<Page> {
-        let rich = self.signatures(&default_experiments());
-        let sine = self.signatures(&slow_sine());
-        let wanted = |index: &usize| only.is_empty() || only.iter().any(|id| id == SIZES[*index].id);
-        let progress = Progress::new("field guide, effects", SIZES.len() as u64);
+        let all = sizes::all();
+        let rich = self.signatures(&all, &default_experiments());
+        let sine = self.signatures(&all, &slow_sine());
+        let wanted = |index: &usize| only.is_empty() || only.iter().any(|id| id == all[*index].effect.id);
+        let progress = Progress::new("field guide, effects", all.len() as u64);
         let page = |index| {
-            let page = self.page(index, &rich, &sine);
+            let page = self.page(&all, index, &rich, &sine);
             progress.advance(1);
             page
         };
-        (0..SIZES.len()).into_par_iter().filter(wanted).filter_map(page).collect()
+        (0..all.len()).into_par_iter().filter(wanted).filter_map(page).collect()
     }
 
     /// Signature of each effect along motions of the default machine, as a unit vector.
-    fn signatures(&self, items: &[Item]) -> Vec<Option<Vec<f64>>> {
+    fn signatures(&self, all: &[Sized], items: &[Item]) -> Vec<Option<Vec<f64>>> {
         let nominal = Hypothesis::default();
-        let Some(planned) = self.planned(&nominal, items) else { return vec![None; SIZES.len()] };
+        let Some(planned) = self.planned(&nominal, items) else { return vec![None; all.len()] };
         let noise = self.noises(items);
         let of = |sized: &Sized| {
-            let mut difference = signature(&planned, &noise, &nominal, &Self::hypothesis(sized, 1.0)?)?;
+            let mut difference = signature(&planned, &noise, &nominal, &Self::hypothesis(sized, 1.0))?;
             let size = difference.iter().map(|d| d * d).sum::<f64>().sqrt();
             difference.iter_mut().for_each(|d| *d /= size);
             (size > 0.0).then_some(difference)
         };
-        SIZES.par_iter().map(of).collect()
+        all.par_iter().map(of).collect()
     }
 
-    fn page(&self, index: usize, rich: &[Option<Vec<f64>>], sine: &[Option<Vec<f64>>]) -> Option<Page> {
-        let sized = &SIZES[index];
-        let (on_rich, on_sine) = (confused(index, rich), confused(index, sine));
+    fn page(&self, all: &[Sized], index: usize, rich: &[Option<Vec<f64>>], sine: &[Option<Vec<f64>>]) -> Option<Page> {
+        let sized = &all[index];
+        let Sized { effect, example } = sized;
+        let (on_rich, on_sine) = (confused(all, index, rich), confused(all, index, sine));
         let nearest = on_rich.iter().chain(&on_sine).min_by(|a, b| a.angle_deg.total_cmp(&b.angle_deg));
-        let kind = vocabulary::effect(sized.id)?;
-        let effect = find(sized.id)?;
-        let told = |size: f64| (effect.report)(&(sized.at)(size)).get(sized.told_by).copied();
+        let kind = vocabulary::effect(effect.id)?;
+        let told = |size: f64| (effect.report)(&(example.at)(size)).get(example.told_by).copied();
         Some(Page {
-            id: sized.id,
+            id: effect.id,
             figure: figure::figure(self, sized, &default_experiments()),
-            separated_by: nearest.and_then(|other| self.separated(sized, other.id)),
+            separated_by: nearest
+                .and_then(|other| self.separated(sized, all.iter().find(|sized| sized.effect.id == other.id)?)),
             on_rich,
             on_sine,
-            parameter: kind.parameters.get(sized.told_by)?.id(AxisKind::Rotary),
-            nominal: told(0.0).filter(|value| sized.nested && value.is_finite()),
+            parameter: kind.parameters.get(example.told_by)?.id(AxisKind::Rotary),
+            nominal: told(0.0).filter(|value| example.nested && value.is_finite()),
             detectable: [0.5, 0.9].map(|power| self.detectable(sized, power).and_then(told)),
         })
     }
 
-    fn separated(&self, sized: &Sized, other: &str) -> Option<(&'static str, Item, f64)> {
-        let other = SIZES.iter().find(|sized| sized.id == other)?;
-        let rivals = [Self::hypothesis(sized, 1.0)?, Self::hypothesis(other, 1.0)?];
+    fn separated(&self, sized: &Sized, other: &Sized) -> Option<(&'static str, Item, f64)> {
+        let rivals = [sized, other].map(|of| Self::hypothesis(of, 1.0));
         let request = Request {
             machine: &self.machine,
             rivals: &rivals,
@@ -205,19 +206,19 @@ impl Guide {
         };
         let offer = best(&request)?.menu.into_iter().next()?;
         let power = offer.power();
-        Some((other.id, offer.item, power))
+        Some((other.effect.id, offer.item, power))
     }
 
     /// Smallest size that the default experiments show with a power, to 3 %.
     fn detectable(&self, sized: &Sized, wanted: f64) -> Option<f64> {
-        if !sized.nested {
+        if !sized.example.nested {
             return None;
         }
         let (items, nominal) = (default_experiments(), Hypothesis::default());
         // A machine that trips is found at once.
         let seen = |size: f64| {
-            let power = Self::hypothesis(sized, size).and_then(|right| {
-                let planned = self.planned(&right, &items)?;
+            let right = Self::hypothesis(sized, size);
+            let power = self.planned(&right, &items).and_then(|planned| {
                 separation(&planned, &self.noises(&items), &right, &nominal).map(Separation::power)
             });
             power.unwrap_or(1.0) >= wanted
@@ -235,19 +236,19 @@ impl Guide {
 }
 
 /// The others whose signature points the same way or the opposite one, nearest first.
-fn confused(index: usize, signatures: &[Option<Vec<f64>>]) -> Vec<Confused> {
+fn confused(all: &[Sized], index: usize, signatures: &[Option<Vec<f64>>]) -> Vec<Confused> {
     let Some(own) = &signatures[index] else { return Vec::new() };
-    let others = SIZES.iter().zip(signatures).enumerate().filter(|(other, _)| *other != index);
-    let mut all: Vec<Confused> = others
+    let others = all.iter().zip(signatures).enumerate().filter(|(other, _)| *other != index);
+    let mut found: Vec<Confused> = others
         .filter_map(|(_, (sized, signature))| {
             let product: f64 = own.iter().zip(signature.as_ref()?).map(|(a, b)| a * b).sum();
-            Some(Confused { id: sized.id, angle_deg: product.abs().min(1.0).acos().to_degrees() })
+            Some(Confused { id: sized.effect.id, angle_deg: product.abs().min(1.0).acos().to_degrees() })
         })
         .filter(|confused| confused.angle_deg < CONFUSED_DEG)
         .collect();
-    all.sort_by(|a, b| a.angle_deg.total_cmp(&b.angle_deg));
-    all.truncate(LISTED);
-    all
+    found.sort_by(|a, b| a.angle_deg.total_cmp(&b.angle_deg));
+    found.truncate(LISTED);
+    found
 }
 
 #[cfg(test)]
@@ -258,12 +259,13 @@ mod tests {
     #[test]
     fn weak_fluid_is_confused_with_low_gain_on_a_sine_and_friction_is_seen_long_before_it_is_clear() {
         let guide = Guide::default();
-        let place = |id: &str| SIZES.iter().position(|sized| sized.id == id).unwrap();
-        let sine = guide.signatures(&slow_sine());
-        let weak = confused(place("er_strength"), &sine);
+        let all = sizes::all();
+        let place = |id: &str| all.iter().position(|sized| sized.effect.id == id).unwrap();
+        let sine = guide.signatures(&all, &slow_sine());
+        let weak = confused(&all, place("er_strength"), &sine);
         assert!(weak.iter().any(|other| other.id == "field_gain"), "{weak:?}");
         assert!(weak.is_sorted_by(|a, b| a.angle_deg <= b.angle_deg));
-        let friction = SIZES[place("coulomb_friction")];
+        let friction = all[place("coulomb_friction")];
         let [half, most] = [0.5, 0.9].map(|power| guide.detectable(&friction, power).unwrap());
         assert!(half <= most && most < 1.0, "{half} {most}");
     }

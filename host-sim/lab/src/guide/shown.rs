@@ -1,14 +1,13 @@
 //! Which effects a motion shows, by the columns of the guide on a recording that is there.
 
-use diagnosis::effects::find;
 use diagnosis::hypothesis::Hypothesis;
 use diagnosis::problem::Problem;
 use diagnosis::search::nominal;
 use diagnosis::separation::{Separation, signature};
 use rayon::prelude::*;
 
-use super::sizes::{Measure, SIZES, Sized};
-use super::{Guide, default_experiments};
+use super::sizes::{Measure, Sized};
+use super::{Guide, default_experiments, sizes};
 
 /// Predicted power from which an effect of a clear size is shown, and told from another: nine times of ten.
 const SHOWN: f64 = 0.9;
@@ -60,13 +59,16 @@ pub fn shown(problem: &Problem) -> Option<Shown> {
     let here = Measure { physics: &problem.nominal, excitation: &problem.excitation };
     let (noise, none) = (nominal(problem)?.noise, Hypothesis::default());
     let left = |sized: &Sized| {
-        let effect = find(sized.id).filter(|effect| (effect.applies)(&problem.nominal, &problem.excitation))?;
-        let clear = none.with(effect, sized.clear_on(effect, here, default));
+        let effect = sized.effect;
+        if !(effect.applies)(&problem.nominal, &problem.excitation) {
+            return None;
+        }
+        let clear = none.with(effect, sized.clear_on(here, default));
         let left = signature(problem, &noise, &none, &clear)?;
         let size = left.iter().map(|one| one * one).sum::<f64>().sqrt();
-        Some(Left { id: sized.id, left, size })
+        Some(Left { id: effect.id, left, size })
     };
-    let all: Vec<Left> = SIZES.par_iter().filter_map(left).collect();
+    let all: Vec<Left> = sizes::all().par_iter().filter_map(left).collect();
     let (shows, hidden): (Vec<&Left>, Vec<&Left>) = all.iter().partition(|one| one.is_shown());
     let alike = |one: &&Left| {
         let others = shows.iter().filter(|other| other.id != one.id && !one.is_told_from(other));
