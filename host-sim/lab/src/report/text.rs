@@ -93,6 +93,11 @@ pub(super) fn fall(before: f64, after: f64) -> f64 {
     if before > 0.0 { 1.0 - after / before } else { 0.0 }
 }
 
+/// A p value; one below what a number can hold is no zero.
+fn p_value(p: f64) -> String {
+    if p > 0.0 { format!("p = {p:.1e}") } else { "p < 1e-300".to_owned() }
+}
+
 /// A value with its interval, in the digits that the interval leaves.
 fn valued(of: &Interval) -> String {
     let [value, low, high] = [of.value, of.low, of.high].map(|end| number(end, of.high - of.low));
@@ -116,9 +121,9 @@ fn write_effect(text: &mut String, effect: &EffectAnswer) -> std::fmt::Result {
     let e = effect.evidence;
     writeln!(
         text,
-        "  accounts for up to {} % of the held-out error without it, p = {:.1e}",
+        "  accounts for up to {} % of the held-out error without it, {}",
         per_cent(e.heldout_gain),
-        e.p_value
+        p_value(e.p_value)
     )?;
     if !effect.equivalent.is_empty() {
         writeln!(text, "  these recordings cannot tell it from: {}", effect.equivalent.join(", "))?;
@@ -160,9 +165,9 @@ fn write_remainder(text: &mut String, left: &RemainderAnswer) -> std::fmt::Resul
         writeln!(text, "  traces of: {}", left.unnamed.join(", "))?;
     }
     for one in &left.predictors {
-        let (share, p) = (per_cent(one.share), one.p_value);
+        let (share, p) = (per_cent(one.share), p_value(one.p_value));
         let rms = one.effort_rms.map(|rms| format!(", {} {} rms", measure(rms), left.unit)).unwrap_or_default();
-        writeln!(text, "  {} predicts {share} % of its squares (p = {p:.1e}){rms}", one.channel)?;
+        writeln!(text, "  {} predicts {share} % of its squares ({p}){rms}", one.channel)?;
     }
     Ok(())
 }
