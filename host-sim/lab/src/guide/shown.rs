@@ -8,6 +8,7 @@ use rayon::prelude::*;
 
 use super::sizes::{Measure, Sized};
 use super::{Guide, default_experiments, sizes};
+use crate::read::{AxisKind, vocabulary};
 
 /// Predicted power from which an effect of a clear size is shown, and told from another: nine times of ten.
 const SHOWN: f64 = 0.9;
@@ -20,13 +21,28 @@ pub struct Shown {
     pub shows: Vec<&'static str>,
     /// Of these each with those that this motion does not tell from it, whatever their sizes.
     pub alike: Vec<(&'static str, Vec<&'static str>)>,
-    /// Identifiers of those that would not be seen.
-    pub hidden: Vec<&'static str>,
+    /// Those that would not be seen.
+    pub hidden: Vec<Hidden>,
+}
+
+/// An effect that would not be seen in the size that was asked about; a larger one may be.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Hidden {
+    /// Which.
+    pub id: &'static str,
+    /// The reported parameter that tells the size; its name ends in its unit.
+    pub parameter: &'static str,
+    /// Its value.
+    pub value: f64,
 }
 
 /// What one effect leaves of the nominal model along the motion.
 struct Left {
     id: &'static str,
+    /// Reported parameter that tells the size.
+    parameter: &'static str,
+    /// Its value.
+    value: f64,
     /// Whitened innovations.
     left: Vec<f64>,
     /// Their norm, 1.
@@ -58,15 +74,19 @@ pub fn shown(problem: &Problem) -> Option<Shown> {
     let default = Measure { physics: &guide.nominal, excitation: &planned.excitation };
     let here = Measure { physics: &problem.nominal, excitation: &problem.excitation };
     let (noise, none) = (nominal(problem)?.noise, Hypothesis::default());
+    let axis = if problem.excitation.linear { AxisKind::Linear } else { AxisKind::Rotary };
     let left = |sized: &Sized| {
         let effect = sized.effect;
         if !(effect.applies)(&problem.nominal, &problem.excitation) {
             return None;
         }
-        let clear = none.with(effect, sized.clear_on(here, default));
-        let left = signature(problem, &noise, &none, &clear)?;
+        let clear = sized.clear_on(here, default);
+        let told_by = sized.example.told_by;
+        let value = (effect.report)(&clear).get(told_by).copied()?;
+        let parameter = vocabulary::effect(effect.id)?.parameters.get(told_by)?.id(axis);
+        let left = signature(problem, &noise, &none, &none.with(effect, clear))?;
         let size = left.iter().map(|one| one * one).sum::<f64>().sqrt();
-        Some(Left { id: effect.id, left, size })
+        Some(Left { id: effect.id, parameter, value, left, size })
     };
     let all: Vec<Left> = sizes::all().par_iter().filter_map(left).collect();
     let (shows, hidden): (Vec<&Left>, Vec<&Left>) = all.iter().partition(|one| one.is_shown());
@@ -75,6 +95,10 @@ pub fn shown(problem: &Problem) -> Option<Shown> {
         let others: Vec<&'static str> = others.map(|other| other.id).collect();
         (!others.is_empty()).then_some((one.id, others))
     };
-    let ids = |of: &[&Left]| of.iter().map(|one| one.id).collect();
-    Some(Shown { alike: shows.iter().filter_map(alike).collect(), shows: ids(&shows), hidden: ids(&hidden) })
+    let not_seen = |one: &&Left| Hidden { id: one.id, parameter: one.parameter, value: one.value };
+    Some(Shown {
+        alike: shows.iter().filter_map(alike).collect(),
+        shows: shows.iter().map(|one| one.id).collect(),
+        hidden: hidden.iter().map(not_seen).collect(),
+    })
 }

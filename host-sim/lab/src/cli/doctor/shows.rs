@@ -7,8 +7,9 @@ use diagnosis::recorded::Recorded;
 
 use super::{Check, State};
 use crate::first_model::FirstModel;
-use crate::guide::{Shown, shown};
+use crate::guide::{Hidden, Shown, shown};
 use crate::read::{Axis, AxisKind, Machine, Recording};
+use crate::report::html::measure;
 
 /// Fewest rows of a log that noise is estimated on, as a diagnosis has it.
 const FEWEST_ROWS: usize = 40;
@@ -67,7 +68,10 @@ fn checks(shown: &Shown) -> Vec<Check> {
         checks.push(Check::new(State::Note, "not told", format!("apart by this motion: {}", pairs.join("; "))));
     }
     if !shown.hidden.is_empty() {
-        let found = format!("{}: move so that they act, or leave them aside", list(&shown.hidden));
+        let size = |one: &Hidden| format!("{} at {} {}", one.id, one.parameter, measure(one.value));
+        let sizes: Vec<String> = shown.hidden.iter().map(size).collect();
+        let found =
+            format!("{}: larger ones may be seen; move so that they act, or leave them aside", sizes.join(", "));
         checks.push(Check::new(State::Note, "cannot show", found));
     }
     checks
