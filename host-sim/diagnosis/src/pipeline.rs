@@ -281,6 +281,7 @@ fn named(problem: &Problem, found: &Found, vocabulary: &[&'static Effect]) -> (V
     let mut in_the_set: Vec<(f64, Hypothesis)> = Vec::new();
     let comparisons: Vec<Comparison> = found.rivals.iter().map(|rival| rival.behind).collect();
     let excluded = excluded(&comparisons);
+    let in_part = alike_in_part(problem, best, vocabulary);
     let mut effects: Vec<Named> = Vec::new();
     for (at, entry) in best.refitted.hypothesis.entries.iter().enumerate() {
         let Beside { alike, nuisances } = beside(found, &excluded, at);
@@ -294,13 +295,16 @@ fn named(problem: &Problem, found: &Found, vocabulary: &[&'static Effect]) -> (V
             Some(fewest) if fewest > best.freedom() => Standing::CertainBySimplicity,
             Some(_) => Standing::Contested,
         };
-        let in_part = alike_in_part(problem, best, at, vocabulary);
         let (p_value, gain) = found.evidence.get(at).copied().unwrap_or((1.0, 0.0));
         effects.push(Named {
             effect: entry.effect,
             entry: entry.clone(),
             intervals: intervals(best, at),
-            equivalent: equivalent(problem, entry.effect, alike.iter().map(|(.., other)| *other).chain(in_part)),
+            equivalent: equivalent(
+                problem,
+                entry.effect,
+                alike.iter().map(|(.., other)| *other).chain(in_part[at].iter().copied()),
+            ),
             nuisances,
             standing,
             p_value,

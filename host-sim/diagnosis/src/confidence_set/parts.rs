@@ -9,98 +9,93 @@ use crate::effects::{Columns, Effect};
 use crate::hypothesis::{Kept, columns, kept};
 use crate::problem::Problem;
 
-/// Of an entry of several values the effects of one value, of a vocabulary, that these recordings do not tell from one of them: with it in
-/// that value's place, and all others refitted, the linearised likelihood falls by less than a 95 % interval allows, and without it by more.
+/// For each entry of the best hypothesis the effects of one value, of a vocabulary, that these recordings do not tell from one of its several
+/// values: with it in that value's place, and all others refitted, the linearised likelihood falls by less than a 95 % interval
+/// allows, and without it by more.
 pub(crate) fn alike_in_part(
     problem: &Problem,
     best: &Assessed,
-    entry: usize,
     vocabulary: &[&'static Effect],
-) -> Vec<&'static Effect> {
+) -> Vec<Vec<&'static Effect>> {
     let entries = &best.refitted.hypothesis.entries;
-    let own = entries[entry].effect;
-    if own.columns != Columns::Each || own.parameters.len() < 2 {
-        return Vec::new();
-    }
-    let of_one_value = |effect: &&'static Effect| {
-        effect.columns == Columns::Each
-            && effect.parameters.len() == 1
-            && (effect.applies)(&problem.nominal, &problem.excitation)
-            && entries.iter().all(|entry| entry.effect != *effect)
+    let has_parts = |entry: usize| {
+        let effect = entries[entry].effect;
+        effect.columns == Columns::Each && effect.parameters.len() > 1
     };
-    let others: Vec<&'static Effect> = vocabulary.iter().copied().filter(of_one_value).collect();
-    let Some(parts) = Parts::of(problem, best, entry) else { return Vec::new() };
-    let missed = parts.missed();
-    others.into_par_iter().filter(|effect| parts.one_is_said_by(problem, best, &missed, effect)).collect()
+    let parts = (0..entries.len()).any(has_parts).then(|| Parts::of(problem, best, vocabulary)).flatten();
+    let of = |entry: usize| match &parts {
+        Some(parts) if has_parts(entry) => parts.said_by_others(best, entry),
+        _ => Vec::new(),
+    };
+    (0..entries.len()).map(of).collect()
 }
 
-/// The values of an entry, as columns beside those of all others.
+/// The free values of a hypothesis, and effects of one value beside it.
 struct Parts {
-    path: Kept,
-    weight: Vec<f64>,
-    /// Of all free values of the hypothesis.
-    columns: Vec<Vec<f64>>,
-    /// Of the entry's values: the place of each among the columns, and how far it is from the machine without it.
-    values: Vec<(usize, f64)>,
-    /// What twice a fall of the log-likelihood is to stay under.
-    limit: f64,
+    /// Products of the columns of all of them, the free values first.
+    products: DMatrix<f64>,
+    /// Number of free values.
+    own: usize,
+    others: Vec<&'static Effect>,
 }
 
 impl Parts {
-    fn of(problem: &Problem, best: &Assessed, entry: usize) -> Option<Self> {
+    fn of(problem: &Problem, best: &Assessed, vocabulary: &[&'static Effect]) -> Option<Self> {
         let hypothesis = &best.refitted.hypothesis;
         let path = kept(problem, &hypothesis.physics(&problem.nominal), &best.refitted.noise, problem.fitted)?;
-        let columns: Option<Vec<Vec<f64>>> =
-            columns(problem, hypothesis, &path).into_iter().map(|column| Some(column?.concat())).collect();
-        let entry_of = &hypothesis.entries[entry];
-        let without = (entry_of.effect.starts)(&problem.nominal, &problem.excitation).into_iter().next()?;
-        let places = hypothesis.free().into_iter().enumerate().filter(|(_, (of, _))| *of == entry);
-        let values = places.map(|(place, (_, index))| (place, entry_of.values[index] - without[index])).collect();
+        let mut all: Vec<Vec<f64>> = columns(problem, hypothesis, &path)
+            .into_iter()
+            .map(|column| Some(column?.concat()))
+            .collect::<Option<_>>()?;
+        let own = all.len();
+        let beside = |effect: &&'static Effect| Some((column_of(problem, best, &path, effect)?, *effect));
+        let (of_others, others): (Vec<Vec<f64>>, Vec<&'static Effect>) =
+            vocabulary.par_iter().filter_map(beside).unzip();
+        all.extend(of_others);
         let (_, weight) = path.weighted();
-        let limit = TWO_SIDED_95 * TWO_SIDED_95 * best.inflation(entry);
-        Some(Self { path, weight, columns: columns?, values, limit })
-    }
-
-    /// The values without which, all others refitted, the likelihood falls.
-    fn missed(&self) -> Vec<(usize, f64)> {
-        let falls = |&(place, by): &(usize, f64)| self.fall(place, by, None).is_some_and(|fall| fall > self.limit);
-        self.values.iter().copied().filter(falls).collect()
-    }
-
-    /// Whether an effect of one value may stand in the place of one of these.
-    fn one_is_said_by(
-        &self,
-        problem: &Problem,
-        best: &Assessed,
-        these: &[(usize, f64)],
-        effect: &'static Effect,
-    ) -> bool {
-        let column = || {
-            let values = (effect.starts)(&problem.nominal, &problem.excitation).into_iter().next()?;
-            let by = effect.ranges(1, &problem.nominal, &problem.excitation)[0].scale;
-            let other = best.refitted.hypothesis.with(effect, vec![values.first()? + by]);
-            Some(self.path.response(problem, &other.physics(&problem.nominal))?.concat())
+        let dot = |one: &[f64], other: &[f64]| -> f64 {
+            weight.iter().zip(one).zip(other).map(|((weight, one), other)| weight * one * other).sum()
         };
-        let Some(column) = column() else { return false };
-        let mut falls = these.iter().filter_map(|&(place, by)| self.fall(place, by, Some(&column)));
-        falls.any(|fall| fall <= self.limit)
+        let mut products =
+            DMatrix::from_fn(all.len(), all.len(), |i, j| if i < j { 0.0 } else { dot(&all[i], &all[j]) });
+        products.fill_upper_triangle_with_lower_triangle();
+        Some(Self { products, own, others })
     }
 
-    /// Twice what the linearised log-likelihood falls by where the value at a place goes by so much, the others are refitted, and another
-    /// column, if any, with them; none where that column is made of theirs.
-    fn fall(&self, place: usize, by: f64, other: Option<&Vec<f64>>) -> Option<f64> {
-        let beside = self.columns.iter().enumerate().filter(|(at, _)| *at != place).map(|(_, column)| column);
-        let beside: Vec<&Vec<f64>> = beside.chain(other).collect();
-        let own = &self.columns[place];
-        let many = beside.len();
-        let cross = DVector::from_fn(many, |i, _| self.dot(beside[i], own));
-        let gram = DMatrix::from_fn(many, many, |i, j| self.dot(beside[i], beside[j]));
-        let whole = self.dot(own, own);
-        let left = whole - cross.dot(&gram.cholesky()?.solve(&cross));
-        Some(by * by * left.max(0.0))
+    /// The others that may stand in the place of a value of an entry.
+    fn said_by_others(&self, best: &Assessed, entry: usize) -> Vec<&'static Effect> {
+        let hypothesis = &best.refitted.hypothesis;
+        let limit = TWO_SIDED_95 * TWO_SIDED_95 * best.inflation(entry);
+        let places = hypothesis.free().into_iter().enumerate().filter(|(_, (of, _))| *of == entry);
+        // Each of several values is nothing where it is zero.
+        let values = places.map(|(place, (of, index))| (place, hypothesis.entries[of].values[index]));
+        let falls = |(place, value): (usize, f64), other| self.fall(place, value, other).map(|fall| fall > limit);
+        let missed: Vec<(usize, f64)> = values.filter(|&value| falls(value, None) == Some(true)).collect();
+        let says_one = |index: usize| missed.iter().any(|&value| falls(value, Some(self.own + index)) == Some(false));
+        (0..self.others.len()).filter(|&index| says_one(index)).map(|index| self.others[index]).collect()
     }
 
-    fn dot(&self, one: &[f64], other: &[f64]) -> f64 {
-        self.weight.iter().zip(one).zip(other).map(|((weight, one), other)| weight * one * other).sum()
+    /// Twice what the linearised log-likelihood falls by where the value at a place is zero, the others are refitted, and another column, if
+    /// any, with them; none where that column is made of theirs.
+    fn fall(&self, place: usize, value: f64, other: Option<usize>) -> Option<f64> {
+        let beside: Vec<usize> = (0..self.own).filter(|&at| at != place).chain(other).collect();
+        let cross = DVector::from_fn(beside.len(), |i, _| self.products[(beside[i], place)]);
+        let among = DMatrix::from_fn(beside.len(), beside.len(), |i, j| self.products[(beside[i], beside[j])]);
+        let left = self.products[(place, place)] - cross.dot(&among.cholesky()?.solve(&cross));
+        Some(value * value * left.max(0.0))
     }
+}
+
+/// The column of an effect of one value beside a hypothesis; none where it has several, is in it, or is nothing there.
+fn column_of(problem: &Problem, best: &Assessed, path: &Kept, effect: &'static Effect) -> Option<Vec<f64>> {
+    let hypothesis = &best.refitted.hypothesis;
+    let is_one = effect.columns == Columns::Each && effect.parameters.len() == 1;
+    let is_in = hypothesis.entries.iter().any(|entry| entry.effect == effect);
+    if !is_one || is_in || !(effect.applies)(&problem.nominal, &problem.excitation) {
+        return None;
+    }
+    let value = *(effect.starts)(&problem.nominal, &problem.excitation).first()?.first()?;
+    let by = effect.ranges(1, &problem.nominal, &problem.excitation)[0].scale;
+    let column = path.response(problem, &hypothesis.with(effect, vec![value + by]).physics(&problem.nominal))?.concat();
+    column.iter().any(|value| *value != 0.0).then_some(column)
 }
