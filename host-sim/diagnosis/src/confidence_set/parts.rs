@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use super::information::Assessed;
 use super::intervals::TWO_SIDED_95;
 use crate::effects::{Columns, Effect};
-use crate::hypothesis::{Kept, columns, kept};
+use crate::hypothesis::{Kept, columns, kept, product};
 use crate::problem::Problem;
 
 /// For each entry of the best hypothesis the effects of one value, of a vocabulary, that these recordings do not tell from one of its several
@@ -53,11 +53,8 @@ impl Parts {
             vocabulary.par_iter().filter_map(beside).unzip();
         all.extend(of_others);
         let (_, weight) = path.weighted();
-        let dot = |one: &[f64], other: &[f64]| -> f64 {
-            weight.iter().zip(one).zip(other).map(|((weight, one), other)| weight * one * other).sum()
-        };
-        let mut products =
-            DMatrix::from_fn(all.len(), all.len(), |i, j| if i < j { 0.0 } else { dot(&all[i], &all[j]) });
+        let of = |i: usize, j: usize| if i < j { 0.0 } else { product(&weight, &all[i], &all[j]) };
+        let mut products = DMatrix::from_fn(all.len(), all.len(), of);
         products.fill_upper_triangle_with_lower_triangle();
         Some(Self { products, own, others })
     }

@@ -128,6 +128,11 @@ pub(crate) fn kept(problem: &Problem, physics: &Physics, noise: &[Noise], many: 
     Some(Kept { physics: physics.clone(), noise: noise.to_vec(), recordings: recordings? })
 }
 
+/// Product of two columns under the weights of their rows.
+pub(crate) fn product(weight: &[f64], one: &[f64], other: &[f64]) -> f64 {
+    weight.iter().zip(one).zip(other).map(|((weight, one), other)| weight * one * other).sum()
+}
+
 impl Kept {
     /// The whitened innovation of every row and its weight in a regression, 0 where it does not count and Huber's else; recordings one
     /// behind the other.

@@ -13,7 +13,7 @@ use crate::problem::Problem;
 
 pub(crate) use along::variance_along;
 pub use evaluate::{Evaluation, evaluate};
-pub(crate) use evaluate::{Kept, KeptRecording, kept};
+pub(crate) use evaluate::{Kept, KeptRecording, kept, product};
 pub(crate) use noise_fit::over_excerpts;
 pub use noise_fit::{coloured_noise, noise_of};
 pub(crate) use orders::{OrderSpread, comes_back, order_spread, with_likelier_order};

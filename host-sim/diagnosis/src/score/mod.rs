@@ -8,7 +8,7 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use crate::effects::{Columns, Effect, Excitation};
-use crate::hypothesis::{Entry, Hypothesis, Kept, Refitted, columns, evaluate, kept, over_excerpts};
+use crate::hypothesis::{Entry, Hypothesis, Kept, Refitted, columns, evaluate, kept, over_excerpts, product};
 use crate::likelihood::Noise;
 use crate::physics::Physics;
 use crate::problem::Problem;
@@ -119,7 +119,7 @@ impl<'a> Base<'a> {
     }
 
     fn dot(&self, one: &[f64], other: &[f64]) -> f64 {
-        self.weight.iter().zip(one).zip(other).map(|((weight, one), other)| weight * one * other).sum()
+        product(&self.weight, one, other)
     }
 
     /// Coefficients of new columns beside the own ones, and the log-likelihood they bring beyond what the own ones still can.

@@ -8,7 +8,7 @@ mod shown;
 mod sizes;
 mod table;
 
-pub use shown::{Hidden, Shown, shown};
+pub use shown::{Clear, Shown, shown};
 pub use table::markdown;
 
 use diagnosis::effects::{Effect, VOCABULARY};

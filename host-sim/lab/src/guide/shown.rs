@@ -22,12 +22,12 @@ pub struct Shown {
     /// Of these each with those that this motion does not tell from it, whatever their sizes.
     pub alike: Vec<(&'static str, Vec<&'static str>)>,
     /// Those that would not be seen.
-    pub hidden: Vec<Hidden>,
+    pub hidden: Vec<Clear>,
 }
 
-/// An effect that would not be seen in the size that was asked about; a larger one may be.
+/// An effect in the size that was asked about.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Hidden {
+pub struct Clear {
     /// Which.
     pub id: &'static str,
     /// The reported parameter that tells the size; its name ends in its unit.
@@ -38,11 +38,7 @@ pub struct Hidden {
 
 /// What one effect leaves of the nominal model along the motion.
 struct Left {
-    id: &'static str,
-    /// Reported parameter that tells the size.
-    parameter: &'static str,
-    /// Its value.
-    value: f64,
+    of: Clear,
     /// Whitened innovations.
     left: Vec<f64>,
     /// Their norm, 1.
@@ -86,19 +82,18 @@ pub fn shown(problem: &Problem) -> Option<Shown> {
         let parameter = vocabulary::effect(effect.id)?.parameters.get(told_by)?.id(axis);
         let left = signature(problem, &noise, &none, &none.with(effect, clear))?;
         let size = left.iter().map(|one| one * one).sum::<f64>().sqrt();
-        Some(Left { id: effect.id, parameter, value, left, size })
+        Some(Left { of: Clear { id: effect.id, parameter, value }, left, size })
     };
     let all: Vec<Left> = sizes::all().par_iter().filter_map(left).collect();
     let (shows, hidden): (Vec<&Left>, Vec<&Left>) = all.iter().partition(|one| one.is_shown());
     let alike = |one: &&Left| {
-        let others = shows.iter().filter(|other| other.id != one.id && !one.is_told_from(other));
-        let others: Vec<&'static str> = others.map(|other| other.id).collect();
-        (!others.is_empty()).then_some((one.id, others))
+        let others = shows.iter().filter(|other| other.of.id != one.of.id && !one.is_told_from(other));
+        let others: Vec<&'static str> = others.map(|other| other.of.id).collect();
+        (!others.is_empty()).then_some((one.of.id, others))
     };
-    let not_seen = |one: &&Left| Hidden { id: one.id, parameter: one.parameter, value: one.value };
     Some(Shown {
         alike: shows.iter().filter_map(alike).collect(),
-        shows: shows.iter().map(|one| one.id).collect(),
-        hidden: hidden.iter().map(not_seen).collect(),
+        shows: shows.iter().map(|one| one.of.id).collect(),
+        hidden: hidden.iter().map(|one| one.of.clone()).collect(),
     })
 }

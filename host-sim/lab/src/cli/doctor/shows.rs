@@ -7,7 +7,7 @@ use diagnosis::recorded::Recorded;
 
 use super::{Check, State};
 use crate::first_model::FirstModel;
-use crate::guide::{Hidden, Shown, shown};
+use crate::guide::{Clear, Shown, shown};
 use crate::read::{Axis, AxisKind, Machine, Recording};
 use crate::report::html::measure;
 
@@ -68,7 +68,7 @@ fn checks(shown: &Shown) -> Vec<Check> {
         checks.push(Check::new(State::Note, "not told", format!("apart by this motion: {}", pairs.join("; "))));
     }
     if !shown.hidden.is_empty() {
-        let size = |one: &Hidden| format!("{} at {} {}", one.id, one.parameter, measure(one.value));
+        let size = |one: &Clear| format!("{} at {} {}", one.id, one.parameter, measure(one.value));
         let sizes: Vec<String> = shown.hidden.iter().map(size).collect();
         let found =
             format!("{}: larger ones may be seen; move so that they act, or leave them aside", sizes.join(", "));
