@@ -215,7 +215,7 @@ fn estimated(finer: &Problem, found: Found) -> Found {
 
 /// Without the entries that the substeps of the search only seemed to need: the weakest first is tested again as the search tests it.
 fn without_weak(finer: &Problem, mut found: Found) -> Found {
-    while found.evidence.len() > 1 && !finer.is_spent() {
+    while !finer.is_spent() {
         let weaker = |a: &usize, b: &usize| found.evidence[*a].1.total_cmp(&found.evidence[*b].1);
         let Some(at) = (0..found.evidence.len()).min_by(weaker) else { break };
         let Some(without) = found.best.without(finer, at) else { break };
