@@ -11,13 +11,13 @@ use crate::run::{cargo, output, run};
 /// Exits with 0 where this Python can build the package and has what an environment is made with.
 const FIT: &str = "import sys, venv, ensurepip; sys.exit(sys.version_info < (3, 11))";
 
-/// As [`test()`]; where Python or its packages are not to be had, says so and goes on, but not in CI.
+/// As [`test()`], in an environment that has been made; where that could not be, says why and goes on, but not in CI.
 ///
 /// # Errors
 ///
 /// As [`test()`].
-pub fn in_all_tests() -> Result<(), String> {
-    match environment() {
+pub fn in_all_tests(environment: Result<Environment, String>) -> Result<(), String> {
+    match environment {
         Ok(environment) => environment.test(),
         Err(reason) if std::env::var_os("CI").is_none() => {
             println!("skipped: {reason}");
@@ -37,12 +37,16 @@ pub fn test() -> Result<(), String> {
 }
 
 /// A virtual environment under `target`.
-struct Environment {
+pub struct Environment {
     folder: PathBuf,
 }
 
 /// The environment with the packages of the lock file, made where it is not there or the file has changed.
-fn environment() -> Result<Environment, String> {
+///
+/// # Errors
+///
+/// No Python that fits, packages that cannot be installed.
+pub fn environment() -> Result<Environment, String> {
     let folder = root().join("target/python");
     let (environment, lock) = (Environment { folder: folder.clone() }, package().join("requirements.lock"));
     let wanted = fs::read(&lock).map_err(|error| format!("{}: {error}", lock.display()))?;

@@ -1,6 +1,7 @@
 //! Everything that must hold before a change lands.
 
 use std::process::Command;
+use std::thread;
 use std::time::Instant;
 
 use crate::run::{beside, cargo, output, run};
@@ -16,6 +17,8 @@ pub fn all() -> Result<(), String> {
     let board = root.join("host-sim/board");
     println!("set up: {}", set_up());
 
+    // Its packages come over the network, and what compiles leaves that alone.
+    let python = thread::spawn(python::environment);
     let mut steps = Steps::default();
     steps.cargo("fmt", &["fmt", "--all", "--check"])?;
     // Of the release profile, whose macros and build scripts the tests take over.
@@ -37,7 +40,9 @@ pub fn all() -> Result<(), String> {
     steps.cargo("tests", &[&["test"], &checked[..]].concat())?;
     steps.cargo("tests, release", &["test", "--workspace", "--release"])?;
     // After the release build, which the wheel is made of.
-    steps.step("python", python::in_all_tests)?;
+    steps.step("python", || {
+        python::in_all_tests(python.join().map_err(|_| "the environment was not made".to_owned())?)
+    })?;
     steps.step("firmware clippy", firmware::lint)?;
     let on_board = |arguments: &[&str]| cargo(&board, arguments);
     steps.run("board fmt", on_board(&["fmt", "--check"]))?;
@@ -81,7 +86,7 @@ pub fn golden() -> Result<(), String> {
 fn set_up() -> String {
     let version =
         |program: &str| output(Command::new(program).arg("--version")).unwrap_or_else(|| format!("no {program}"));
-    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let cores = thread::available_parallelism().map_or(1, usize::from);
     format!("{}, {}, {cores} cores", version("rustc"), version("cargo"))
 }
 
