@@ -39,11 +39,18 @@ impl Purpose {
 }
 
 /// Rows further apart than this hold no window of a motion, s.
-pub(crate) const SLOWEST_SAMPLING_S: f64 = 0.05;
+const SLOWEST_SAMPLING_S: f64 = 0.05;
 
 /// Whether rows are too far apart; a time that only its decimal digits put beyond the limit is not.
-pub(crate) fn is_too_slow(period_s: f64) -> bool {
+fn is_too_slow(period_s: f64) -> bool {
     period_s > SLOWEST_SAMPLING_S * (1.0 + 1e-6)
+}
+
+/// What is wrong with rows that are a median of `period_s` apart, and what to do; none where they will do.
+pub(crate) fn wrong_rate(period_s: f64) -> Option<String> {
+    let wrong = is_too_slow(period_s) || period_s <= 0.0;
+    let least_hz = 1.0 / SLOWEST_SAMPLING_S;
+    wrong.then(|| format!("too slow for any window of a motion: log at {least_hz:.0} Hz or more"))
 }
 
 /// Largest value of a column in its unit: doubles hold whole numbers up to 9e15, and beyond no motion can be told from rounding.

@@ -152,6 +152,21 @@ fn motion_in_one_direction_and_a_test_signal_are_told() {
 }
 
 #[test]
+fn a_log_that_no_diagnosis_takes_is_told_so_at_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = log("position_rad,torque_nm", 1.0, |now, _| vec![stepped(now[0]), torque(now)]);
+    // One row in 42 of them: 84 ms.
+    let slow: Vec<&str> =
+        text.lines().enumerate().filter(|(at, _)| *at == 0 || at % 42 == 1).map(|(_, row)| row).collect();
+    fs::write(folder.path().join("a.csv"), slow.join("\n") + "\n").unwrap();
+    let printed = lab(folder.path(), &["init", "a.csv"]);
+    assert!(
+        printed.ends_with("next: a.csv: 11.9 Hz is too slow for any window of a motion: log at 20 Hz or more\n"),
+        "{printed}"
+    );
+}
+
+#[test]
 fn what_the_logs_do_not_tell_is_left_out() {
     let folder = tempfile::tempdir().unwrap();
     // A weight that is lifted slowly, and hardly lowered: offset, friction and gravity look alike.

@@ -9,7 +9,7 @@ use crate::cli::effort_units::EffortUnits;
 use crate::cli::velocity_check::{WrongVelocity, wrong_velocity};
 use crate::first_model::{FirstModel, first_model, first_model_of};
 use crate::precheck::windows::median_period_s;
-use crate::precheck::{SLOWEST_SAMPLING_S, is_too_slow};
+use crate::precheck::wrong_rate;
 use crate::read::{Axis, Column, Given, Machine, Mapping, Recording, Table, guess, position_step, wrap};
 use crate::report::Units;
 
@@ -94,10 +94,8 @@ fn read(file: &Path, machine: Option<&Machine>, given: Given<'_>) -> Result<(Rec
 fn rate(recording: &Recording, period_s: f64) -> Check {
     let length_s = recording.t_s.last().unwrap_or(&0.0) - recording.t_s.first().unwrap_or(&0.0);
     let found = format!("{:.1} Hz, {} rows, {length_s:.2} s", 1.0 / period_s, recording.rows());
-    if is_too_slow(period_s) || period_s <= 0.0 {
-        let least_hz = 1.0 / SLOWEST_SAMPLING_S;
-        let message = format!("{found}; too slow for any window of a motion: log at {least_hz:.0} Hz or more");
-        return Check::new(State::Bad, "rate", message);
+    if let Some(wrong) = wrong_rate(period_s) {
+        return Check::new(State::Bad, "rate", format!("{found}; {wrong}"));
     }
     Check::new(State::Good, "rate", found)
 }

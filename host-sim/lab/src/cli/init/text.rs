@@ -7,6 +7,8 @@ use super::{Findings, name};
 use crate::cli::effort_units::EffortUnits;
 use crate::cli::velocity_check::wrong_velocity;
 use crate::first_model::{FirstModel, Value};
+use crate::precheck::windows::median_period_s;
+use crate::precheck::wrong_rate;
 use crate::read::AxisKind;
 use crate::report::Units;
 
@@ -173,9 +175,18 @@ pub(super) fn summary(findings: &Findings<'_>, file: &Path) -> String {
         text.extend(recording.notes().iter().map(|note| format!("note: {note}\n")));
         text.extend(wrong_velocity(recording).map(|wrong| format!("note: {}: {wrong}\n", recording.name)));
     }
+    text + &format!("wrote {}\n{}\n", file.display(), next(findings, file))
+}
+
+/// What to do with the file; where a log is of no use to a diagnosis, with the log.
+fn next(findings: &Findings<'_>, file: &Path) -> String {
+    let slow = findings.recordings.iter().find_map(|recording| {
+        let period_s = median_period_s(&recording.t_s);
+        Some(format!("{}: {:.1} Hz is {}", recording.name, 1.0 / period_s, wrong_rate(period_s)?))
+    });
     let log = findings.logs.first().map(|log| log.display().to_string()).unwrap_or_default();
-    let file = file.display();
-    text + &format!("wrote {file}\nnext: look at it, then servo-lab diagnose --machine {file} {log}\n")
+    let diagnosis = || format!("look at it, then servo-lab diagnose --machine {} {log}", file.display());
+    format!("next: {}", slow.unwrap_or_else(diagnosis))
 }
 
 /// Gravity, and how much of the effort the model explains.
