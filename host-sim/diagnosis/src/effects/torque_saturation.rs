@@ -6,9 +6,9 @@ use super::{Effect, PLAIN, Size, WEIGH, commanded, shown, sized};
 pub static EFFECT: Effect = Effect {
     id: "torque_saturation",
     sentence: "The drive cannot give the torque that is commanded: current limit, or voltage limit at speed.",
-    parameters: &[sized(Size::TorquePeak, 0.2, 10.0, 0.1)],
+    parameters: &[sized(Size::TorquePeak, 0.05, 10.0, 0.1)],
     applies: commanded,
-    starts: |_, e| [0.95, 0.85, 0.7, 0.5, 0.3].iter().map(|&v| vec![v * e.torque_peak]).collect(),
+    starts: |_, e| [0.95, 0.85, 0.7, 0.5, 0.3, 0.15, 0.08].iter().map(|&v| vec![v * e.torque_peak]).collect(),
     put: |p, v| p.model.torque_limit = Some(v[0]),
     neutral: |p| p.model.torque_limit.unwrap_or(f64::INFINITY),
     measured_by: Some(WEIGH),
