@@ -46,6 +46,8 @@ pub(crate) struct Motion<'a> {
     pub(crate) noise: Deviations,
     /// Speed that the nominal machine has at the end of each row.
     arrives: Vec<f64>,
+    /// What its sensor adds.
+    shows: Vec<f64>,
 }
 
 /// What an effect adds, row by row.
@@ -56,8 +58,9 @@ pub(crate) struct Column {
 
 impl<'a> Motion<'a> {
     pub(crate) fn new(setting: &'a Setting, nominal: &'a Physics, rows: &'a [Sample], noise: Deviations) -> Self {
-        let mut motion = Self { setting, nominal, rows, noise, arrives: Vec::new() };
+        let mut motion = Self { setting, nominal, rows, noise, arrives: Vec::new(), shows: Vec::new() };
         motion.arrives = motion.forced(nominal);
+        motion.shows = motion.angles(nominal);
         motion
     }
 
@@ -78,7 +81,8 @@ impl<'a> Motion<'a> {
         let per_speed = self.nominal.inertia_kg_m2 / self.setting.period_s;
         let torque =
             self.forced(physics).into_iter().zip(&self.arrives).map(|(with, without)| per_speed * (with - without));
-        Column { torque: torque.collect(), angle: self.angles(physics) }
+        let angle = self.angles(physics).into_iter().zip(&self.shows).map(|(with, without)| with - without);
+        Column { torque: torque.collect(), angle: angle.collect() }
     }
 
     /// What the sensor adds; its noise is none of the effect.

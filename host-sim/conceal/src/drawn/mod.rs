@@ -2,13 +2,15 @@
 //! can tell.
 //!
 //! `setting` draws the machine, `motion` runs it, `information` weighs what an effect adds to that motion, `sizes` puts
-//! effects in at multiples of what can be told, `files` writes what the drive would have logged.
+//! effects in at multiples of what can be told, `shown` weighs them again on the motion that they make, `files` writes what the drive
+//! would have logged.
 
 mod controller;
 mod files;
 mod information;
 mod motion;
 mod setting;
+mod shown;
 mod sizes;
 mod vocabulary;
 
@@ -21,6 +23,7 @@ use self::files::Kept;
 use self::information::{Deviations, Motion};
 use self::motion::{Loop, Sample};
 use self::setting::{Law, Setting};
+use self::shown::AtWork;
 use self::sizes::Chosen;
 use crate::Error;
 use crate::case::{EXPERIMENT, FITTED, HELD_OUT, MACHINE, lose, put};
@@ -53,6 +56,8 @@ pub struct Case {
     gain_error: f64,
     kept: Kept,
     families: [Family; 3],
+    /// Of the recordings' references and noise.
+    recorded: u64,
     random: StdRng,
 }
 
@@ -90,11 +95,16 @@ impl Case {
             coloured,
             sensor: physics.sensor.noise_rad.hypot(kept_step(&setting, blueprint) / 12.0_f64.sqrt()),
         };
-        let motions: Vec<Motion<'_>> = base.0.iter().map(|rows| Motion::new(&setting, &physics, rows, noise)).collect();
+        let motions: Vec<Motion<'_>> =
+            base.rows.iter().map(|rows| Motion::new(&setting, &physics, rows, noise)).collect();
         let chosen = sizes::choose(blueprint, &setting, &scales, &motions, random)?;
         let concealed = chosen.conceal(&physics);
         // The machine must still run with them: a motion that is lost is no recording.
-        Base::run(&setting, &concealed, coloured, &families, random.random())?;
+        let recorded = random.random();
+        let base = Base::run(&setting, &concealed, coloured, &families, recorded)?;
+        let noise_left = motions.last()?.noise_left(random.random());
+        let at_work = AtWork { setting: &setting, physics: &physics, noise, base: &base, noise_left };
+        let chosen = at_work.shown(chosen)?;
         let mut case = Self {
             seed,
             blueprint: blueprint.clone(),
@@ -114,6 +124,7 @@ impl Case {
             physics: concealed,
             coloured,
             families,
+            recorded,
             random: random.clone(),
         };
         case.truth.salt = format!("{:032x}", case.random.random::<u128>());
@@ -128,8 +139,9 @@ impl Case {
         let mut random = self.random.clone();
         put(&folder.join(MACHINE), files::machine(&self.setting, self.kept).as_bytes())?;
         for (index, name) in FITTED.into_iter().chain([HELD_OUT]).enumerate() {
-            let reference = reference(&self.setting, self.families[index], &mut random);
-            self.record(&folder.join(name), &reference, index, &mut random)?;
+            let draws = Draws::of(self.recorded, index);
+            let reference = reference(&self.setting, self.families[index], &mut draws.reference());
+            self.record(&folder.join(name), &reference, index, &draws, &mut random)?;
         }
         Ok(())
     }
@@ -142,15 +154,23 @@ impl Case {
         let mut random = StdRng::seed_from_u64(self.seed ^ 0x5eed);
         let reference = from_csv_rad(reference, self.setting.period_s)?;
         for (index, name) in EXPERIMENT.into_iter().enumerate() {
-            self.record(&folder.join(name), &reference, 1 + index, &mut random)?;
+            let draws = Draws::of(random.random(), index);
+            self.record(&folder.join(name), &reference, 1 + index, &draws, &mut random)?;
         }
         Ok(())
     }
 
-    fn record(&self, file: &Path, reference: &[f64], index: usize, random: &mut StdRng) -> Result<(), Error> {
-        let physics = for_recording(&self.physics, index, random);
+    fn record(
+        &self,
+        file: &Path,
+        reference: &[f64],
+        index: usize,
+        draws: &Draws,
+        random: &mut StdRng,
+    ) -> Result<(), Error> {
+        let physics = for_recording(&self.physics, index, &mut draws.physics());
         let (coloured, gain_error) = (self.coloured, self.gain_error);
-        let seed = random.random();
+        let seed = draws.noise();
         let run = Loop { setting: &self.setting, physics: &physics, coloured, gain_error, step_s: STEP_S, seed };
         let mut rows = run.follow(reference)?;
         if self.blueprint.decoy == Some(Decoy::Gaps) {
@@ -160,8 +180,35 @@ impl Case {
     }
 }
 
+/// What is drawn for one recording, each part by itself: the same at any step of the integrator, for any machine.
+struct Draws(u64);
+
+impl Draws {
+    fn of(seed: u64, index: usize) -> Self {
+        Self(StdRng::seed_from_u64(seed.wrapping_add(index as u64)).random())
+    }
+
+    /// The reference's.
+    fn reference(&self) -> StdRng {
+        StdRng::seed_from_u64(self.0)
+    }
+
+    /// Of what differs from recording to recording in the machine.
+    fn physics(&self) -> StdRng {
+        StdRng::seed_from_u64(self.0.wrapping_add(1))
+    }
+
+    /// Seed of every noise.
+    fn noise(&self) -> u64 {
+        self.0.wrapping_add(2)
+    }
+}
+
 /// The three recordings of a machine at the coarse step.
-struct Base(Vec<Vec<Sample>>);
+struct Base {
+    seed: u64,
+    rows: Vec<Vec<Sample>>,
+}
 
 impl Base {
     fn run(
@@ -171,22 +218,25 @@ impl Base {
         families: &[Family; 3],
         seed: u64,
     ) -> Option<Self> {
-        let mut random = StdRng::seed_from_u64(seed);
-        let mut rows = Vec::new();
+        let mut base = Self { seed, rows: Vec::new() };
         for (index, family) in families.iter().enumerate() {
-            let reference = reference(setting, *family, &mut random);
-            let physics = for_recording(physics, index, &mut random);
-            let seed = random.random();
-            let step_s = information::STEP_S;
+            let draws = Draws::of(seed, index);
+            let reference = reference(setting, *family, &mut draws.reference());
+            let (physics, seed, step_s) = (base.physics(physics, index), draws.noise(), information::STEP_S);
             let run = Loop { setting, physics: &physics, coloured, gain_error: 1.0, step_s, seed };
-            rows.push(run.follow(&reference).ok()?);
+            base.rows.push(run.follow(&reference).ok()?);
         }
-        Some(Self(rows))
+        Some(base)
+    }
+
+    /// A machine as it is in one of these recordings.
+    fn physics(&self, physics: &Physics, index: usize) -> Physics {
+        for_recording(physics, index, &mut Draws::of(self.seed, index).physics())
     }
 
     /// Typical values; none where the axis hardly moves.
     fn scales(&self, setting: &Setting) -> Option<Scales> {
-        let all = || self.0.iter().flatten();
+        let all = || self.rows.iter().flatten();
         let rms = |values: &mut dyn Iterator<Item = f64>| {
             let (sum, count) = values.fold((0.0, 0), |(sum, count), value| (sum + value * value, count + 1));
             (sum / f64::from(count.max(1))).sqrt()

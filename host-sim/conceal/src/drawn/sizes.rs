@@ -5,7 +5,7 @@ use rand::rngs::StdRng;
 use rand::seq::{IndexedRandom, SliceRandom};
 use rustfft::num_complex::Complex;
 
-use super::information::{MATTERS, Motion, TOLD, product};
+use super::information::{Column, MATTERS, Motion, TOLD, product};
 use super::setting::Setting;
 use super::vocabulary::{possible, together, values};
 use crate::catalogue::{self, Entry, for_recording};
@@ -26,13 +26,13 @@ const OWN_SHARE: f64 = 0.03;
 const OFF: f64 = 0.05;
 /// Least detectable size, as a share of the drive's torque or of what goes with it (of 20 ms for a delay): what docs/method.md states
 /// as the smallest that is of use. Where noise is small the information alone would ask for a delay to a microsecond.
-const LEAST: f64 = 1e-3;
+pub(super) const LEAST: f64 = 1e-3;
 /// Rounds of the search for a size; it doubles its digits in each where information goes with the square.
 const ROUNDS: usize = 10;
 
 /// What is put in.
 #[derive(Debug, Clone, Copy)]
-enum Source {
+pub(super) enum Source {
     Vocabulary(&'static Entry),
     Outside(&'static Kind),
 }
@@ -40,11 +40,14 @@ enum Source {
 /// One effect with its values.
 #[derive(Debug, Clone)]
 pub(super) struct One {
-    source: Source,
-    values: Vec<f64>,
+    pub(super) source: Source,
+    pub(super) values: Vec<f64>,
     /// Over the detectable size.
-    multiple: f64,
-    detectable: f64,
+    pub(super) multiple: f64,
+    /// From 0 to 1, see [`values`].
+    pub(super) size: f64,
+    /// Share of its column that nothing beside it can stand for.
+    pub(super) share: f64,
 }
 
 /// The effects of a case.
@@ -93,14 +96,14 @@ pub(super) fn choose(
     };
     let bounds = if blueprint.arm == Arm::Poor { POOR } else { MULTIPLES };
     let mut effects = Vec::new();
-    for (one, share) in sized.iter().zip(shares) {
+    for (one, share) in sized.iter().zip(&shares) {
         let drawn = bounds[0] * (bounds[1] / bounds[0]).powf(random.random());
         let detectable = one.detectable / share.sqrt();
         let multiple = if blueprint.decoy == Some(Decoy::Nominal) { search.off(one)? / detectable } else { drawn };
         let size = multiple * detectable;
         // Larger than the motion's own torques nothing is hidden.
         let values = (size <= 1.0).then(|| search.values(one.source, size, &one.shape)).flatten()?;
-        effects.push(One { source: one.source, values, multiple, detectable });
+        effects.push(One { source: one.source, values, multiple, size, share: *share });
     }
     Some(Chosen { effects })
 }
@@ -128,6 +131,24 @@ fn beyond_each_other(sized: &[Sized]) -> Option<Vec<f64>> {
         shares.push(gram[n - 1][n - 1] / whole);
     }
     shares.iter().all(|share| *share > OWN_SHARE).then_some(shares)
+}
+
+/// Columns of the recordings to fit, the last being held out, and how far the effect is beyond what can be told: 1 at the detectable size.
+pub(super) fn weighed(
+    motions: &[Motion<'_>],
+    column: &impl Fn(usize, &Motion<'_>) -> Column,
+    noise_left: &[f64; 2],
+    is_event: bool,
+) -> (Vec<Vec<Complex<f64>>>, f64) {
+    let fitted = motions.len().saturating_sub(1);
+    let columns: Vec<_> =
+        motions[..fitted].iter().enumerate().map(|(k, motion)| motion.whitened(&column(k, motion))).collect();
+    let told = columns.iter().map(|column| product(column, column)).sum::<f64>() / TOLD;
+    let matters = match motions.last() {
+        Some(held_out) if !is_event => (held_out.relevance(&column(fitted, held_out), noise_left) / MATTERS).powi(2),
+        _ => f64::INFINITY,
+    };
+    (columns, told.min(matters))
 }
 
 impl Search<'_> {
@@ -196,15 +217,7 @@ impl Search<'_> {
         let of = |index: usize, motion: &Motion<'_>| {
             motion.column(&for_recording(&physics, index, &mut StdRng::seed_from_u64(index as u64)))
         };
-        let (held_out, fitted) = self.motions.split_last()?;
-        let columns: Vec<_> = fitted.iter().enumerate().map(|(k, motion)| motion.whitened(&of(k, motion))).collect();
-        let told = columns.iter().map(|column| product(column, column)).sum::<f64>() / TOLD;
-        let matters = if source.is_event() {
-            f64::INFINITY
-        } else {
-            (held_out.relevance(&of(fitted.len(), held_out), &self.noise_left) / MATTERS).powi(2)
-        };
-        Some((columns, told.min(matters)))
+        Some(weighed(self.motions, &of, &self.noise_left, source.is_event()))
     }
 
     /// The size at which the effect can just be told and is of use.
@@ -265,7 +278,7 @@ impl Search<'_> {
 }
 
 impl Source {
-    fn put(self, physics: &mut Physics, values: &[f64]) {
+    pub(super) fn put(self, physics: &mut Physics, values: &[f64]) {
         match self {
             Self::Vocabulary(entry) => entry.put(physics, values),
             Self::Outside(kind) => kind.conceal(physics, values),
@@ -273,7 +286,7 @@ impl Source {
     }
 
     /// Whether it is judged on the recording it happens in and not on what is held out.
-    fn is_event(self) -> bool {
+    pub(super) fn is_event(self) -> bool {
         matches!(self, Self::Vocabulary(entry) if matches!(entry.id, "disturbance_pulse" | "sensor_glitch"))
     }
 }
@@ -306,7 +319,7 @@ impl One {
             id: id.to_owned(),
             in_vocabulary,
             size: self.multiple,
-            strength: self.multiple * self.detectable,
+            strength: self.size,
             parameters: names.zip(self.values.iter().copied()).collect(),
         }
     }
