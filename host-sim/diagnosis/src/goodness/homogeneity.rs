@@ -29,7 +29,7 @@ struct Density {
 /// intervals, where fewer than two recordings tell theirs, or a pass is not finite. On tuning cases the least falls short of that mean by 0.80 to
 /// 1.00 of it under five wrong names, and by less than half under nine right ones. A noise that hardly shows beside the sensor's steps is
 /// estimated unevenly, and where nothing is named would be all there is to say: there the largest must be a relevant part of the drive's torque
-/// too. Of 35 clean tuning cases without a name three have 0.2 to 1 % of it unevenly, and one whose drive saturates in two of three
+/// too. Of 35 clean tuning cases without a name five have 0.1 to 1 % of it unevenly, and one whose drive saturates in two of three
 /// recordings 12 and 25 %.
 pub(super) fn by_recording(problem: &Problem, refitted: &Refitted) -> Option<Predictor> {
     let densities = densities(problem, refitted)?;
