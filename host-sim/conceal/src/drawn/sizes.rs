@@ -96,14 +96,14 @@ pub(super) fn choose(
     };
     let bounds = if blueprint.arm == Arm::Poor { POOR } else { MULTIPLES };
     let mut effects = Vec::new();
-    for (one, share) in sized.iter().zip(&shares) {
+    for (one, share) in sized.iter().zip(shares) {
         let drawn = bounds[0] * (bounds[1] / bounds[0]).powf(random.random());
         let detectable = one.detectable / share.sqrt();
         let multiple = if blueprint.decoy == Some(Decoy::Nominal) { search.off(one)? / detectable } else { drawn };
         let size = multiple * detectable;
         // Larger than the motion's own torques nothing is hidden.
         let values = (size <= 1.0).then(|| search.values(one.source, size, &one.shape)).flatten()?;
-        effects.push(One { source: one.source, values, multiple, size, share: *share });
+        effects.push(One { source: one.source, values, multiple, size, share });
     }
     Some(Chosen { effects })
 }
@@ -278,7 +278,7 @@ impl Search<'_> {
 }
 
 impl Source {
-    pub(super) fn put(self, physics: &mut Physics, values: &[f64]) {
+    fn put(self, physics: &mut Physics, values: &[f64]) {
         match self {
             Self::Vocabulary(entry) => entry.put(physics, values),
             Self::Outside(kind) => kind.conceal(physics, values),
