@@ -1,6 +1,8 @@
 //! Where the likelihood itself falls as far as its quadratic says: intervals of values that it tells more of one way than the other, as
 //! the speed of a Stribeck friction (Venzon and Moolgavkar 1988, along the line on which the quadratic has its own profile).
 
+use std::ops::Range;
+
 use nalgebra::DVector;
 
 use super::Step;
@@ -95,8 +97,22 @@ fn stretch(problem: &Problem, best: &Assessed, slopes: &[f64], sign: f64) -> f64
     stretch
 }
 
-/// By how much the likelihood falls along a way of the free values; none where it leaves their ranges.
+/// By how much the likelihood falls along a way of the free values; none where it leaves their ranges. A recording that is held out tells
+/// the values that belong to it alone, as in the information.
 fn fall(problem: &Problem, best: &Assessed, way: &DVector<f64>) -> Option<f64> {
+    let hypothesis = &best.refitted.hypothesis;
+    let alone = hypothesis.alone();
+    let mut all = fall_over(problem, best, way, 0..problem.fitted)?;
+    for index in problem.fitted..hypothesis.told_by(problem) {
+        let own = |at: usize, by: f64| if alone[at] == Some(index) { by } else { 0.0 };
+        let own = DVector::from_iterator(way.len(), way.iter().enumerate().map(|(at, by)| own(at, *by)));
+        all += fall_over(problem, best, &own, index..index + 1)?;
+    }
+    Some(all)
+}
+
+/// By how much the likelihood of some recordings falls.
+fn fall_over(problem: &Problem, best: &Assessed, way: &DVector<f64>, which: Range<usize>) -> Option<f64> {
     let mut moved = best.refitted.hypothesis.clone();
     let ranges = ranges(problem, &moved);
     for (((entry, index), range), by) in moved.free().into_iter().zip(ranges).zip(way.iter()) {
@@ -106,7 +122,7 @@ fn fall(problem: &Problem, best: &Assessed, way: &DVector<f64>) -> Option<f64> {
             return None;
         }
     }
-    let many = moved.told_by(problem);
-    let found = evaluate(problem, &moved.physics(&problem.nominal), &best.refitted.noise, 0..many)?;
-    Some(best.refitted.log_likelihood - found.fitted(problem))
+    let of = |blocks: &[Vec<f64>]| blocks.iter().flatten().sum::<f64>();
+    let found = evaluate(problem, &moved.physics(&problem.nominal), &best.refitted.noise, which.clone())?;
+    Some(of(&best.refitted.evaluation.blocks[which]) - of(&found.blocks))
 }
