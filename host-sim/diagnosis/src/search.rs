@@ -116,8 +116,8 @@ pub fn p_value(assessed: &Assessed, entry: usize, gain: f64, odds: Odds) -> f64 
     let of = &assessed.refitted.hypothesis.entries[entry];
     let freedom = of.effect.freedom(&of.values).max(1) as f64;
     // Scatter over blocks tells nothing of what happens in one or two of them; how others of its kind stand out does.
-    let inflation = if (of.effect.span)(&of.values).is_some() { 1.0 } else { assessed.inflation(entry) };
-    let statistic = 2.0 * gain / inflation;
+    let once = (of.effect.span)(&of.values).is_some();
+    let statistic = 2.0 * gain / if once { 1.0 } else { assessed.design_effect(entry) };
     // Below the smallest normal number the distribution's argument would be rounded to 0, which it panics on.
     if statistic.is_nan() || statistic < f64::MIN_POSITIVE {
         return 1.0;

@@ -18,8 +18,8 @@ pub struct Assessed {
     pub crossed: Vec<Vec<f64>>,
     /// Covariance of the free values, in the order of [`crate::hypothesis::Hypothesis::free`].
     pub covariance: DMatrix<f64>,
-    /// Variances of the free values if every row were independent.
-    pub naive: Vec<f64>,
+    /// Covariance of the free values if every row were independent.
+    pub naive: DMatrix<f64>,
     /// Information of the free values.
     pub(super) information: DMatrix<f64>,
     /// Blocks that the covariance was estimated over.
@@ -68,9 +68,22 @@ impl Assessed {
     /// How many times more an entry's values scatter over blocks than independent rows would let them, at least 1.
     pub fn inflation(&self, entry: usize) -> f64 {
         let places = self.refitted.hypothesis.free();
-        let ratio =
-            |(i, &(at, _)): (usize, &(usize, usize))| (at == entry).then(|| self.covariance[(i, i)] / self.naive[i]);
+        let ratio = |(i, &(at, _)): (usize, &(usize, usize))| {
+            (at == entry).then(|| self.covariance[(i, i)] / self.naive[(i, i)])
+        };
         places.iter().enumerate().filter_map(ratio).filter(|ratio| ratio.is_finite()).fold(1.0, f64::max)
+    }
+
+    /// What a likelihood ratio of an entry is divided by, at least 1, so that its mean is that of a chi squared though neighbouring rows
+    /// are alike: the mean eigenvalue of the sandwich over the information (Rao and Scott 1984, first order). Their spread is not taken
+    /// from the blocks: of ten that tell a value it is mostly chance.
+    pub fn design_effect(&self, entry: usize) -> f64 {
+        let places = self.refitted.hypothesis.free();
+        let places: Vec<usize> = (0..places.len()).filter(|&at| places[at].0 == entry).collect();
+        let of = |matrix: &DMatrix<f64>| matrix.select_rows(&places).select_columns(&places);
+        let over = of(&self.naive).cholesky().map(|naive| naive.solve(&of(&self.covariance)).trace());
+        let mean = over.map(|sum| sum / places.len() as f64).filter(|mean| mean.is_finite());
+        mean.map_or_else(|| self.inflation(entry), |mean| mean.max(1.0))
     }
 }
 
@@ -121,7 +134,7 @@ fn linearised(problem: &Problem, hypothesis: &Hypothesis, noise: &[Noise]) -> Op
 pub fn assess(problem: &Problem, refitted: Refitted) -> Option<Assessed> {
     let Linearised { scores, parts, information } = linearised(problem, &refitted.hypothesis, &refitted.noise)?;
     let covariance = sandwich(&information, &scores)?;
-    let naive = information.clone().cholesky()?.inverse().diagonal().iter().copied().collect();
+    let naive = information.clone().cholesky()?.inverse();
     let smallest = ranges(problem, &refitted.hypothesis).iter().map(|range| SMALLEST_SIZE * range.scale).collect();
     let crossed = crossed(problem, &refitted, &information, &scores, &parts);
     let blocks = scores.iter().map(Vec::len).sum();
