@@ -56,7 +56,6 @@ fn brute_force(model: &Model, ticks: usize, steps: usize) -> Vec<f64> {
             let viscous = share(model.viscous_warming, friction_heat) * model.viscous;
             push -= (viscous + 0.5 * model.asymmetry.viscous * direction) * speed;
             let mut inertia = model.inertia;
-            let mut through = 0.0;
             if let Some(shaft) = model.shaft {
                 let ratio = shaft.inertia_ratio;
                 let load = inertia * ratio / (1.0 + ratio);
@@ -64,9 +63,9 @@ fn brute_force(model: &Model, ticks: usize, steps: usize) -> Vec<f64> {
                 let reduced = load / (1.0 + ratio);
                 let omega = std::f64::consts::TAU * shaft.resonance_hz;
                 let bent = (twist.abs() - 0.5 * shaft.gap).max(0.0).copysign(twist);
-                if shaft.gap == 0.0 || bent != 0.0 {
-                    through = reduced * omega * (omega * bent + 2.0 * shaft.damping_ratio * twist_rate);
-                }
+                let bends = reduced * omega * (omega * bent + 2.0 * shaft.damping_ratio * twist_rate);
+                // Teeth push and do not pull.
+                let through = if shaft.gap == 0.0 || bends * bent > 0.0 { bends } else { 0.0 };
                 twist_rate -= h * through / load;
                 push += through;
             }

@@ -7,6 +7,7 @@
 // Matrices are read by their indices, as the equations have them.
 #![allow(clippy::needless_range_loop)]
 
+mod bent;
 mod covariance;
 #[cfg(test)]
 mod tests;
@@ -17,7 +18,8 @@ use plant::laws::{Friction, PositionTorque, Ripple, ShaftLaw};
 use plant::{FluidResponse, Model};
 
 use super::acting::{Acting, OfFluid};
-use super::gaussian::{dry_friction, soft_threshold};
+use super::gaussian::dry_friction;
+use bent::Bent;
 pub(crate) use covariance::Linear;
 
 /// Places of the states that every machine has.
@@ -93,40 +95,6 @@ struct Free {
     spring: (f64, f64),
     /// Torque of bristle and spring.
     elastic: f64,
-}
-
-/// Mean torque of the shaft on the motor over a substep, were its speed to stay, and how it changes.
-#[derive(Default)]
-struct Bent {
-    torque: f64,
-    /// Over the twist at the start.
-    per_twist: f64,
-    /// Over the twist's rate at the start.
-    per_rate: f64,
-    /// What the motor's change of speed takes from it: the damper feels the mean of the rates at both ends.
-    per_change: f64,
-}
-
-impl Bent {
-    /// Of a twist and its rate, over a substep, with a twist that spreads by `sd`.
-    fn new(law: &ShaftLaw, twist: f64, rate: f64, dt_s: f64, sd: f64) -> Self {
-        let half_s = 0.5 * dt_s;
-        let bent = soft_threshold(twist + half_s * rate, sd, law.half_gap, law.half_gap);
-        // With this stiffness the step of Verlet turns motor and load against each other at just the shaft's own resonance
-        // (Hochbruck and Lubich, Numer. Math. 83 (1999) 403, the filter sinc^2); beyond two substeps a period, at that.
-        let per_inertia = law.motor_inertia.recip() + law.per_load_inertia;
-        let angle = (half_s * (law.stiffness * per_inertia).sqrt()).min(std::f64::consts::FRAC_PI_2);
-        let sinc = if angle > 1e-4 { angle.sin() / angle } else { 1.0 };
-        let stiffness = law.stiffness * sinc * sinc;
-        let damping = law.damping * bent.slope;
-        let share = (1.0 + half_s * damping * law.per_load_inertia).recip();
-        Self {
-            torque: share * (stiffness * bent.mean + damping * rate),
-            per_twist: share * stiffness * bent.slope,
-            per_rate: share * (stiffness * bent.slope * half_s + damping),
-            per_change: share * 0.5 * damping,
-        }
-    }
 }
 
 impl Free {

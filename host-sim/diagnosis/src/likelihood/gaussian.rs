@@ -1,7 +1,7 @@
 //! Closed forms of a normal variable behind a dead zone.
 //!
 //! Dry friction over one step is the soft threshold S(x) = x - s beyond the level s, 0 within it: the implicit (proximal)
-//! step of the set-valued law. A gap of backlash is the same function of the twist. For x ~ N(m, v) the mean, the slope
+//! step of the set-valued law. Each side of a gap of backlash is half of it. For x ~ N(m, v) the mean, the slope
 //! (the probability to be beyond) and the variance have closed forms, so that a belief passes a kink smoothly.
 //!
 //! Torques that are larger than the friction turn the rotor round within the step, and the friction turns with it: the
@@ -101,6 +101,19 @@ pub(crate) fn soft_threshold(mean: f64, sd: f64, up: f64, down: f64) -> Threshol
     Thresholded { mean: first, slope, per_push: 0.0, rest }
 }
 
+/// Mean of the part above 0 of N(`mean`, `sd`^2), and the probability to be there, which is its slope over the mean.
+#[inline]
+pub(crate) fn beyond(mean: f64, sd: f64) -> (f64, f64) {
+    if mean >= FAR * sd {
+        return (mean, 1.0);
+    }
+    if -mean >= FAR * sd {
+        return (0.0, 0.0);
+    }
+    let (probability, density) = below_and_at(mean / sd);
+    (mean * probability + sd * density, probability)
+}
+
 /// Probability of a standard normal variable to be below x, and its density there.
 #[inline]
 fn below_and_at(x: f64) -> (f64, f64) {
@@ -153,6 +166,17 @@ mod tests {
             let slope =
                 (soft_threshold(mean + h, sd, up, down).mean - soft_threshold(mean - h, sd, up, down).mean) / (2.0 * h);
             assert!((found.slope - slope).abs() < 1e-6, "{} {slope}", found.slope);
+        }
+    }
+
+    #[test]
+    fn the_part_beyond_a_level_is_its_sum() {
+        for (mean, sd) in [(0.3, 1.0), (-2.0, 0.4), (0.0, 1e-3), (7.0, 1.0), (-7.0, 1.0)] {
+            let (found, slope) = beyond(mean, sd);
+            let (expected, _) = summed(mean, sd, |x| x.max(0.0));
+            let (probability, _) = summed(mean, sd, |x| f64::from(x > 0.0));
+            assert!((found - expected).abs() < 1e-7 * sd, "{mean} {sd}: {found} {expected}");
+            assert!((slope - probability).abs() < 1e-4, "{mean} {sd}: {slope} {probability}");
         }
     }
 

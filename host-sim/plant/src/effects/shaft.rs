@@ -46,7 +46,8 @@ pub(crate) enum Contact {
     Behind,
 }
 
-/// The shaft as a spring and a damper, SI.
+/// The shaft as a spring and a damper, SI. Behind a gap, teeth push and do not pull: a contact ends where its damper has taken all of the
+/// spring's push, before the spring is straight (Nordin, Galic and Gutman, Int. J. Adapt. Control Signal Process. 11 (1997) 49).
 #[derive(Debug, Clone, Copy)]
 pub struct ShaftLaw {
     /// Inertia on the side of the motor, kg m2 (kg).
@@ -108,11 +109,19 @@ impl ShaftLaw {
     /// The contact a twist and its rate lead to; on the edge of the gap the rate decides.
     pub(crate) fn contact(&self, twist: f64, twist_rate: f64) -> Contact {
         let edge = self.half_gap * 1e-12;
+        let meets = |side: f64| {
+            let beyond = side * twist - self.half_gap;
+            if beyond > edge {
+                self.push(side, twist, twist_rate) > 0.0
+            } else {
+                beyond >= -edge && side * twist_rate > 0.0
+            }
+        };
         if self.half_gap == 0.0 {
             Contact::Always
-        } else if twist > self.half_gap + edge || (twist >= self.half_gap - edge && twist_rate > 0.0) {
+        } else if meets(1.0) {
             Contact::Ahead
-        } else if twist < -self.half_gap - edge || (twist <= -self.half_gap + edge && twist_rate < 0.0) {
+        } else if meets(-1.0) {
             Contact::Behind
         } else {
             Contact::Free
@@ -121,13 +130,22 @@ impl ShaftLaw {
 
     /// Positive while the contact holds.
     #[inline]
-    pub(crate) fn guard(&self, contact: Contact, twist: f64) -> f64 {
+    pub(crate) fn guard(&self, contact: Contact, twist: f64, twist_rate: f64) -> f64 {
+        let push = |side: f64| self.push(side, twist, twist_rate);
         match contact {
             Contact::Always => f64::INFINITY,
-            Contact::Ahead => twist - self.half_gap,
-            Contact::Behind => -twist - self.half_gap,
-            Contact::Free => self.half_gap - twist.abs(),
+            Contact::Ahead => push(1.0),
+            Contact::Behind => push(-1.0),
+            Contact::Free => -push(1.0).max(push(-1.0)),
         }
+    }
+
+    /// How far the teeth on a side push, as a bend of the spring, rad (m): positive where they touch and spring and damper together
+    /// push.
+    #[inline]
+    fn push(&self, side: f64, twist: f64, twist_rate: f64) -> f64 {
+        let bent = side * twist - self.half_gap;
+        bent.min(bent + side * twist_rate * self.damping / self.stiffness)
     }
 
     /// Longest step over which the law is smooth and its damping still lets the iteration converge fast, s.

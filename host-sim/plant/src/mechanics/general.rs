@@ -355,7 +355,7 @@ impl Flow for General {
     }
 
     fn guard(&self, segment: &Segment, t: f64, x: &State) -> f64 {
-        let contact = self.shaft.map_or(f64::INFINITY, |shaft| shaft.guard(x.contact, x.twist));
+        let contact = self.shaft.map_or(f64::INFINITY, |shaft| shaft.guard(x.contact, x.twist, x.twist_rate));
         if matches!(self.fluid, FluidLaw::Field { .. }) {
             return contact;
         }
@@ -365,7 +365,7 @@ impl Flow for General {
     fn leave_regime(&self, segment: &Segment, t: f64, x: &mut State) {
         let fluid = self.fluid.guard(&self.fluid_input(segment, t, x), x);
         match self.shaft {
-            Some(shaft) if shaft.guard(x.contact, x.twist) < fluid => {
+            Some(shaft) if shaft.guard(x.contact, x.twist, x.twist_rate) < fluid => {
                 x.contact = match x.contact {
                     Contact::Free if x.twist > 0.0 => Contact::Ahead,
                     Contact::Free => Contact::Behind,
