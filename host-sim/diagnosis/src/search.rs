@@ -2,13 +2,14 @@
 
 mod around;
 mod neighbourhood;
+mod widening;
 
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use crate::confidence_set::{Assessed, Comparison, LEVEL_OF_THE_SET, Step};
 use crate::effects::{Effect, NUISANCES};
 use crate::hypothesis::{
-    Entry, Hypothesis, Refitted, coloured_noise, comes_back, noise_of, refit, with_likelier_order,
+    Entry, Hypothesis, Refitted, coloured_noise, comes_back, noise_of, refit, with_likelier_neighbour,
 };
 use crate::likelihood::Noise;
 use crate::problem::Problem;
@@ -229,7 +230,7 @@ fn at_its_orders(problem: &Problem, step: Step) -> Step {
     let mut likelier: Option<Refitted> = None;
     for entry in 0..earlier {
         let from = likelier.as_ref().unwrap_or(&step.assessed.refitted);
-        let found = with_likelier_order(problem, from, entry);
+        let found = with_likelier_neighbour(problem, from, entry);
         likelier = found.filter(|found| comes_back(problem, &found.hypothesis.entries[entry])).or(likelier);
     }
     likelier.and_then(|found| Step::new(problem, found)).unwrap_or(step)
@@ -272,7 +273,7 @@ fn worth(problem: &Problem, from: &Step, to: &Refitted, odds: Odds) -> Option<(S
     }
     // Beside its order the blocks tell it differently, and so its spread.
     let entry = to.hypothesis.entries.len().checked_sub(1)?;
-    let to = with_likelier_order(problem, to, entry).unwrap_or_else(|| to.clone());
+    let to = with_likelier_neighbour(problem, to, entry).unwrap_or_else(|| to.clone());
     if !comes_back(problem, &to.hypothesis.entries[entry]) {
         return None;
     }

@@ -127,8 +127,16 @@ pub enum Columns {
 /// Recording, start and end, s.
 pub type Span = (usize, f64, f64);
 
-/// An effect with what its fitted values make starts of a wider one.
-pub type Widening = (&'static Effect, fn(&[f64], &Excitation) -> Vec<Vec<f64>>);
+/// How an effect is a wider form of another.
+#[derive(Clone, Copy)]
+pub struct Widening {
+    /// The other.
+    pub narrower: &'static Effect,
+    /// Starts of this one from fitted values of the other.
+    pub wider: fn(&[f64], &Excitation) -> Vec<Vec<f64>>,
+    /// A start of the other from fitted values of this one.
+    pub within: fn(&[f64]) -> Vec<f64>,
+}
 
 /// One entry of the vocabulary.
 pub struct Effect {
@@ -164,7 +172,7 @@ pub struct Effect {
     pub once: bool,
     /// It adds a memory to the machine: what it does from a start is far from what a column promises.
     pub remembers: bool,
-    /// An effect that it is a wider form of, and starts from that one's fitted values.
+    /// An effect that it is a wider form of; each starts from the other's fitted values.
     pub widens: Option<Widening>,
     /// The recording that the value at an index belongs to alone; none for what holds for all of them.
     pub recording_of: fn(&[f64], usize) -> Option<usize>,

@@ -6,6 +6,7 @@ mod evaluate;
 mod noise_fit;
 mod orders;
 mod refit;
+mod rough;
 
 use crate::effects::{Effect, Parameter};
 use crate::physics::Physics;
@@ -16,7 +17,7 @@ pub use evaluate::{Evaluation, evaluate};
 pub(crate) use evaluate::{Kept, KeptRecording, kept, product};
 pub(crate) use noise_fit::over_excerpts;
 pub use noise_fit::{coloured_noise, noise_of};
-pub(crate) use orders::{OrderSpread, comes_back, order_spread, with_likelier_order};
+pub(crate) use orders::{OrderSpread, comes_back, order_spread};
 pub use refit::{Refitted, refit};
 pub(crate) use refit::{columns, ranges, refit_linearised, refit_under};
 
@@ -114,4 +115,11 @@ impl Hypothesis {
         };
         self.free().into_iter().map(of).collect()
     }
+}
+
+/// With what no slope leads to in one of its entries, an order or a rough number, at the top of its likelihood, all else refitted beside
+/// it; none where it is there.
+pub(crate) fn with_likelier_neighbour(problem: &Problem, from: &Refitted, entry: usize) -> Option<Refitted> {
+    let found = orders::with_likelier_order(problem, from, entry);
+    rough::with_likelier_rough(problem, found.as_ref().unwrap_or(from), entry).or(found)
 }

@@ -17,7 +17,7 @@ const NEARER: f64 = 0.25;
 /// With another order of one of its entries, where the likelihood has its top; none where it is there, or the entry has no order. A travel
 /// of less than a revolution tells an order from the next only by little, and friction shifts the peak of the missing torque's
 /// spectrum, which it came from.
-pub(crate) fn with_likelier_order(problem: &Problem, from: &Refitted, entry: usize) -> Option<Refitted> {
+pub(super) fn with_likelier_order(problem: &Problem, from: &Refitted, entry: usize) -> Option<Refitted> {
     from.hypothesis.entries.get(entry).filter(|entry| entry.effect.lowest_order.is_some())?;
     let steps = steps(problem);
     let mut best: Option<Refitted> = None;

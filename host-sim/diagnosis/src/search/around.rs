@@ -2,12 +2,13 @@
 
 use rayon::prelude::*;
 
-use crate::effects::{Effect, VOCABULARY};
+use crate::effects::{Effect, VOCABULARY, Widening};
 use crate::hypothesis::{Entry, Hypothesis, Refitted, refit, refit_linearised, refit_under};
 use crate::likelihood::Noise;
 use crate::problem::Problem;
-use crate::score::{Candidate, as_it_starts, by_chance, score};
+use crate::score::{Candidate, by_chance, score};
 
+use super::widening::likeliest;
 use super::{Evidence, Rejected};
 
 /// Effects that are refitted of all that are scored. The right one was among the first five in each of 66 tuning cases.
@@ -16,7 +17,7 @@ pub(super) const REFITTED: usize = 5;
 /// better still.
 const FIRST_STEPS: usize = 2;
 /// Steps of one that goes to the optimum.
-const STEPS: usize = 10;
+pub(super) const STEPS: usize = 10;
 
 /// Among how many variants an effect was found, and how often chance has as much happen where it is an event.
 #[derive(Debug, Clone, Copy)]
@@ -121,6 +122,19 @@ impl Extended {
         is_decided(best - self.refitted.log_likelihood, self.open)
     }
 
+    /// Joins others that are best first, in the place of one of the same effect that is less likely.
+    pub(super) fn join(self, problem: &Problem, others: &mut Vec<Self>) {
+        let effect = |one: &Self| one.refitted.hypothesis.entries.last().map(|last| last.effect);
+        if let Some(same) = others.iter().position(|one| effect(one) == effect(&self)) {
+            if others[same].refitted.log_likelihood >= self.refitted.log_likelihood {
+                return;
+            }
+            others.remove(same);
+        }
+        let rank = priced(problem, &self.refitted);
+        others.insert(others.partition_point(|one| priced(problem, &one.refitted) >= rank), self);
+    }
+
     fn of(candidate: &Candidate, trial: &Trial) -> Option<Self> {
         let refitted = trial.refitted()?.clone();
         let odds = Odds { tries: candidate.tries, by_chance: 0.0, taken: NOT_YET };
@@ -211,7 +225,7 @@ impl Around {
     /// A start of an effect from the refit of the one that it widens, the likeliest on the excerpts; none where that one brings nothing,
     /// or where it has been made.
     fn widened(&self, problem: &Problem, all: &[Tried], effect: &'static Effect) -> Option<Tried> {
-        let (narrower, starts) = effect.widens?;
+        let Widening { narrower, wider, .. } = effect.widens?;
         let of = |effect: &'static Effect| all.iter().filter(move |tried| tried.candidate.entry.effect == effect);
         if of(effect).any(|tried| tried.widened) {
             return None;
@@ -221,13 +235,9 @@ impl Around {
         if priced(problem, from) <= priced(problem, &self.at) {
             return None;
         }
-        let starts = starts(&from.hypothesis.entries.last()?.values, &problem.excitation);
+        let starts = wider(&from.hypothesis.entries.last()?.values, &problem.excitation);
         let tries = of(effect).map(|tried| tried.candidate.tries).fold(0.0, f64::max) + starts.len() as f64;
-        let score = |values: Vec<f64>| {
-            let physics = self.at.hypothesis.with(effect, values.clone()).physics(&problem.nominal);
-            Some((as_it_starts(problem, &physics, &from.noise)?, values))
-        };
-        let (_, values) = starts.into_par_iter().filter_map(score).max_by(|a, b| a.0.total_cmp(&b.0))?;
+        let values = likeliest(problem, &self.at.hypothesis, effect, starts, &from.noise)?;
         let gain = from.log_likelihood - self.at.log_likelihood;
         let entry = Entry { effect, values: values.clone() };
         Some(Tried::new(Candidate { entry, from: values, gain, tries }, true))

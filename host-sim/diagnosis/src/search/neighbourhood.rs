@@ -6,6 +6,7 @@ use crate::hypothesis::refit;
 use crate::problem::Problem;
 
 use super::around::{Around, Extended, Odds, REFITTED};
+use super::widening::nested;
 use super::{Evidence, Forward, Found, LEVEL_OF_A_STEP, MOST_EFFECTS, Rejected, Rival, SMALLEST_GAIN};
 use super::{gain, is_crossed, is_part_of_it, nuisances, p_value, priced};
 
@@ -159,6 +160,11 @@ impl<'a> Neighbourhood<'a> {
             false => self.with_the_others_as_they_are(at, without, &others).extended(problem, &others),
         };
         found.truncate(REFITTED);
+        for effect in others {
+            if let Some(one) = nested(problem, &self.best.assessed.refitted, at, effect) {
+                one.join(problem, &mut found);
+            }
+        }
         let best = self.best.assessed.refitted.log_likelihood;
         let looked_at = found.iter().all(|one| one.is_decided(best)) && !(found.is_empty() && problem.is_spent());
         let floor = without.assessed.refitted.log_likelihood;
