@@ -221,11 +221,12 @@ fn forward(problem: &Problem, vocabulary: &[&'static Effect], from: Step, around
             }
         }
     }
-    Forward { best: at_its_orders(problem, best), tried, rejected }
+    Forward { best: at_its_neighbours(problem, best), tried, rejected }
 }
 
-/// With the orders of its entries where the likelihood has its top, now that it has them all: an order had stood in for some of what came later.
-fn at_its_orders(problem: &Problem, step: Step) -> Step {
+/// With the orders and rough numbers of its entries where the likelihood has its top, now that it has them all: an order had stood in for
+/// some of what came later.
+fn at_its_neighbours(problem: &Problem, step: Step) -> Step {
     let earlier = step.assessed.refitted.hypothesis.entries.len().saturating_sub(1);
     let mut likelier: Option<Refitted> = None;
     for entry in 0..earlier {

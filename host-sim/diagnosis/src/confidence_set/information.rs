@@ -133,8 +133,8 @@ fn linearised(problem: &Problem, hypothesis: &Hypothesis, noise: &[Noise]) -> Op
 /// Linearises at the optimum.
 pub fn assess(problem: &Problem, refitted: Refitted) -> Option<Assessed> {
     let Linearised { scores, parts, information } = linearised(problem, &refitted.hypothesis, &refitted.noise)?;
-    let covariance = sandwich(&information, &scores)?;
     let naive = information.clone().cholesky()?.inverse();
+    let covariance = sandwich(&naive, &scores);
     let smallest = ranges(problem, &refitted.hypothesis).iter().map(|range| SMALLEST_SIZE * range.scale).collect();
     let crossed = crossed(problem, &refitted, &information, &scores, &parts);
     let blocks = scores.iter().map(Vec::len).sum();
@@ -176,18 +176,17 @@ pub(crate) fn add_spread(spread: &mut DMatrix<f64>, scores: &[DVector<f64>]) {
 
 /// Inverse information times the spread of the block scores times inverse information; never below what the information
 /// alone says, for few blocks understate their own spread.
-fn sandwich(information: &DMatrix<f64>, scores: &[Vec<DVector<f64>>]) -> Option<DMatrix<f64>> {
-    let many = information.nrows();
+fn sandwich(inverse: &DMatrix<f64>, scores: &[Vec<DVector<f64>>]) -> DMatrix<f64> {
+    let many = inverse.nrows();
     let mut spread = DMatrix::zeros(many, many);
     let mut blocks = 0_usize;
     for of_recording in scores {
         blocks += of_recording.len();
         add_spread(&mut spread, of_recording);
     }
-    let inverse = information.clone().cholesky()?.inverse();
     // Each estimated value takes one block's worth of freedom.
     let few = blocks as f64 / (blocks as f64 - many as f64).max(1.0);
-    let mut covariance = &inverse * spread * &inverse * few;
+    let mut covariance = inverse * spread * inverse * few;
     for i in 0..many {
         let least = inverse[(i, i)];
         if covariance[(i, i)] < least {
@@ -200,7 +199,7 @@ fn sandwich(information: &DMatrix<f64>, scores: &[Vec<DVector<f64>>]) -> Option<
             }
         }
     }
-    Some(covariance)
+    covariance
 }
 
 /// Log-likelihood of each block under the values without it, to second order; held-out blocks as they are.

@@ -1,5 +1,6 @@
 //! Values that no derivative tells: the likelihood is searched along each.
 
+use super::Hypothesis;
 use super::refit::{Refitted, SETTLED, at};
 use crate::problem::Problem;
 
@@ -33,14 +34,23 @@ pub(super) fn searched(problem: &Problem, mut best: Refitted, places: &[(usize, 
     best
 }
 
-/// With a number that no derivative tells moved by a power of two; none where its range ends.
-fn along(problem: &Problem, from: &Refitted, (entry, index): (usize, usize), octaves: f64) -> Option<Refitted> {
-    let mut tried = from.hypothesis.clone();
-    let of = &mut tried.entries[entry];
+/// With a number that no derivative tells moved by a power of two, all else as it is; none where its range ends.
+fn along(problem: &Problem, from: &Refitted, place: (usize, usize), octaves: f64) -> Option<Refitted> {
+    at(problem, by_octaves(problem, &from.hypothesis, place, octaves)?, from.noise.clone())
+}
+
+/// With a number moved by a power of two; none where its range ends.
+pub(super) fn by_octaves(
+    problem: &Problem,
+    from: &Hypothesis,
+    (entry, index): (usize, usize),
+    octaves: f64,
+) -> Option<Hypothesis> {
+    let mut moved = from.clone();
+    let of = &mut moved.entries[entry];
     let range = of.effect.ranges(of.values.len(), &problem.nominal, &problem.excitation)[index];
-    let value = of.values[index] * octaves.exp2();
-    of.values[index] = value;
-    (range.low <= value && value <= range.high).then(|| at(problem, tried, from.noise.clone())).flatten()
+    of.values[index] *= octaves.exp2();
+    (range.low..=range.high).contains(&of.values[index]).then_some(moved)
 }
 
 /// Variance of the number at a place of [`super::Hypothesis::searched`], the others held, from how far its likelihood falls.

@@ -1,5 +1,6 @@
 //! A number whose likelihood is rough, as a gap's: its neighbours are refitted while they are likelier.
 
+use super::along::by_octaves;
 use super::refit::{Refitted, SETTLED, refit};
 use crate::problem::Problem;
 
@@ -13,10 +14,10 @@ const HALVINGS: i32 = 3;
 /// its width beside a resonance a tenth too low.
 pub(super) fn with_likelier_rough(problem: &Problem, from: &Refitted, entry: usize) -> Option<Refitted> {
     let mut best: Option<Refitted> = None;
-    for (_, index) in from.hypothesis.rough().into_iter().filter(|(at, _)| *at == entry) {
+    for place in from.hypothesis.rough().into_iter().filter(|(at, _)| *at == entry) {
         for octaves in (1..=HALVINGS).map(|halvings| f64::exp2(f64::from(-halvings))) {
             for octaves in [octaves, -octaves] {
-                while let Some(found) = likelier(problem, best.as_ref().unwrap_or(from), (entry, index), octaves) {
+                while let Some(found) = likelier(problem, best.as_ref().unwrap_or(from), place, octaves) {
                     best = Some(found);
                 }
             }
@@ -26,14 +27,8 @@ pub(super) fn with_likelier_rough(problem: &Problem, from: &Refitted, entry: usi
 }
 
 /// Refitted with a number at so many octaves; none where that is not likelier, out of its range, or where no work is left.
-fn likelier(problem: &Problem, from: &Refitted, (entry, index): (usize, usize), octaves: f64) -> Option<Refitted> {
-    let mut tried = from.hypothesis.clone();
-    let of = &mut tried.entries[entry];
-    let range = of.effect.ranges(of.values.len(), &problem.nominal, &problem.excitation)[index];
-    of.values[index] *= octaves.exp2();
-    if !(range.low..=range.high).contains(&of.values[index]) || problem.is_spent() {
-        return None;
-    }
+fn likelier(problem: &Problem, from: &Refitted, place: (usize, usize), octaves: f64) -> Option<Refitted> {
+    let tried = by_octaves(problem, &from.hypothesis, place, octaves).filter(|_| !problem.is_spent())?;
     let found = refit(problem, &tried, &from.noise, STEPS)?;
     (found.log_likelihood - from.log_likelihood >= SETTLED).then_some(found)
 }

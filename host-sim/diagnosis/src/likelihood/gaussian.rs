@@ -81,7 +81,7 @@ fn turned(mean: f64, sd: f64, push: f64, up: f64, down: f64) -> Thresholded {
 
 /// S of N(`mean`, `sd`^2) with the levels `up` and `down` (both at least 0) in the two directions.
 #[inline]
-pub(crate) fn soft_threshold(mean: f64, sd: f64, up: f64, down: f64) -> Thresholded {
+fn soft_threshold(mean: f64, sd: f64, up: f64, down: f64) -> Thresholded {
     if mean - up >= FAR * sd {
         return Thresholded { mean: mean - up, slope: 1.0, per_push: 0.0, rest: 0.0 };
     }

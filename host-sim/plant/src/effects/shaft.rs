@@ -88,7 +88,13 @@ impl ShaftLaw {
         })
     }
 
-    /// Torque of the shaft on the motor, N m, for the twist load minus motor and its rate.
+    /// Torque of the shaft on the motor, N m, for the twist load minus motor, rad (m), and its rate, wherever the load is in its gap.
+    #[inline]
+    pub fn torque_at(&self, twist: f64, twist_rate: f64) -> f64 {
+        self.torque(self.contact(twist, twist_rate), twist, twist_rate)
+    }
+
+    /// The same in a contact.
     #[inline]
     pub(crate) fn torque(&self, contact: Contact, twist: f64, twist_rate: f64) -> f64 {
         let bent = match contact {

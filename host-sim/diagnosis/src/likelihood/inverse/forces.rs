@@ -77,10 +77,7 @@ impl Laws {
         let steps = (dt_s * resonance_rad_s * PER_RADIAN).ceil().clamp(1.0, MOST);
         let (step_s, mut sum) = (dt_s / steps, 0.0);
         for _ in 0..steps as usize {
-            let bent = memory.twist - memory.twist.clamp(-law.half_gap, law.half_gap);
-            let push = law.stiffness * bent + law.damping * memory.twist_rate;
-            // Teeth push and do not pull.
-            let torque = if law.half_gap == 0.0 || push * bent > 0.0 { push } else { 0.0 };
+            let torque = law.torque_at(memory.twist, memory.twist_rate);
             memory.twist_rate -= step_s * law.per_load_inertia * torque + change / steps;
             memory.twist += step_s * memory.twist_rate;
             sum += torque;
