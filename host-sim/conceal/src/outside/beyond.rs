@@ -17,7 +17,7 @@ use super::{Kind, Scales, Seen, Shape};
 
 /// A number from 0 to 1 that belongs to a place in a pattern, the same each time (Steele and others, Fast Splittable Pseudorandom Number
 /// Generators, 2014: its last mixing).
-fn scatter(place: f64, pattern: f64) -> f64 {
+pub(super) fn scatter(place: f64, pattern: f64) -> f64 {
     let mut bits = (place as i64 as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ pattern.to_bits();
     bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     bits = (bits ^ (bits >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
@@ -43,7 +43,7 @@ impl Way {
 }
 
 /// Which of two states a speed leaves, changed over at a speed and back at a share of it, each within a short time.
-struct TwoStates {
+pub(super) struct TwoStates {
     speed: f64,
     back: f64,
     time_s: f64,
@@ -52,12 +52,12 @@ struct TwoStates {
 }
 
 impl TwoStates {
-    fn new(speed: f64, back: f64, time_s: f64) -> Self {
+    pub(super) fn new(speed: f64, back: f64, time_s: f64) -> Self {
         Self { speed, back, time_s, fast: false, at: 0.0 }
     }
 
     /// From 0, slow, to 1, fast.
-    fn after(&mut self, seen: &Seen) -> f64 {
+    pub(super) fn after(&mut self, seen: &Seen) -> f64 {
         self.fast = seen.speed.abs() > if self.fast { self.back * self.speed } else { self.speed };
         self.at += seen.share_of_lag(self.time_s) * (f64::from(u8::from(self.fast)) - self.at);
         self.at

@@ -3,15 +3,21 @@
 use std::f64::consts::TAU;
 
 use super::{
-    Hidden, Kind, Needs, Put, Scales, Shape, beyond, drive, fluid, friction, further, later, mechanics, sensor, spring,
-    unseen,
+    Hidden, Kind, Needs, Put, Scales, Shape, afield, beyond, drive, fluid, friction, further, later, mechanics, sensor,
+    spring, unseen,
 };
 use crate::catalogue;
 use crate::physics::{Physics, Wave};
 
 /// Every kind.
 pub fn kinds() -> impl Iterator<Item = &'static Kind> {
-    KINDS.iter().chain(later::KINDS).chain(unseen::KINDS).chain(further::KINDS).chain(beyond::KINDS)
+    KINDS
+        .iter()
+        .chain(later::KINDS)
+        .chain(unseen::KINDS)
+        .chain(further::KINDS)
+        .chain(beyond::KINDS)
+        .chain(afield::KINDS)
 }
 
 /// The kind called `id`.

@@ -3,6 +3,7 @@
 //! A kind changes the machine where it acts (drive, friction, torque, field, drag, inertia, sensor) and keeps what it remembers. Its values
 //! are in the SI units of the axis: N m or N, rad or m.
 
+mod afield;
 #[cfg(test)]
 mod at_work;
 mod beyond;

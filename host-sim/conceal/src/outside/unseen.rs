@@ -15,7 +15,7 @@ use super::later::passing_s;
 use super::{Kind, Scales, Shape};
 
 /// Fastest of what shall show in a log, Hz.
-fn top_hz(scales: &Scales) -> f64 {
+pub(super) fn top_hz(scales: &Scales) -> f64 {
     (0.12 / scales.period_s).min(60.0)
 }
 
