@@ -3,6 +3,7 @@
 use nalgebra::DVector;
 
 use super::information::Assessed;
+use crate::hypothesis::Entry;
 use crate::problem::Problem;
 
 /// A value with its 95 % interval, in the effect's own unit.
@@ -14,6 +15,15 @@ pub struct Interval {
     pub low: f64,
     /// Upper end.
     pub high: f64,
+}
+
+impl Interval {
+    /// What of it physics allows: a duration, a lag or a gap is never below zero, however little is known of it.
+    fn possible(self, entry: &Entry) -> Self {
+        let mut fitted = entry.values.iter().zip(entry.effect.parameters);
+        let never_negative = fitted.any(|(fitted, of)| *fitted == self.value && of.low >= 0.0);
+        Self { low: if never_negative { self.low.max(0.0) } else { self.low }, ..self }
+    }
 }
 
 /// Smallest relevant size as a share of the typical change that an effect's own file states: of an inertia a thousandth, of a delay
@@ -46,6 +56,7 @@ pub fn intervals(best: &Assessed, at: usize) -> Vec<Interval> {
         let [down, up] = best.profile.as_ref().map_or([1.0; 2], |profile| profile.stretch(at, index));
         let least = smallest(best, at, &slopes[index]);
         Interval { value, low: value - (half * down).hypot(least), high: value + (half * up).hypot(least) }
+            .possible(entry)
     };
     (entry.effect.report)(&entry.values).into_iter().enumerate().map(one).collect()
 }
@@ -114,7 +125,20 @@ mod tests {
     use plant::sensor::TorqueNoise;
 
     use super::super::information::{LAGS, add_spread};
-    use super::critical_value;
+    use super::{Interval, critical_value};
+    use crate::effects::find;
+    use crate::hypothesis::Entry;
+
+    /// A push whose end nothing shows, as it meets a rotor that friction holds: its size may be negative, its duration not.
+    #[test]
+    fn an_interval_ends_where_physics_does() {
+        let push = Entry { effect: find("disturbance_pulse").unwrap(), values: vec![0.0, 3.1, 0.08, 0.01] };
+        let reported = [(0.08, 0.0), (0.01, -0.2)];
+        for (value, low) in reported {
+            let found = Interval { value, low: value - 0.21, high: value + 0.21 }.possible(&push);
+            assert!((found.low - low).abs() < 1e-12 && found.high == value + 0.21, "{found:?}");
+        }
+    }
 
     /// 2000 times 24 independent block scores of one value, as of two recordings of 3 s: what is estimated has them sum to zero.
     #[test]

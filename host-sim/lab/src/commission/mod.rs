@@ -16,7 +16,7 @@ use crate::conclude::{self, Request};
 use crate::identify::{Event, Identified, Plan, Told, applied, identify, machine};
 use crate::progress::Course;
 use crate::read::{EffectEntry, Machine, Recording};
-use crate::report::{Answer, Verdict};
+use crate::report::Answer;
 use crate::session::Session;
 use crate::stability::NormalisedGains;
 use crate::tune::{Demands, Steps, Task, summary, tune};
@@ -168,7 +168,7 @@ fn left_out(session: &Session, machine: &Machine, identified: &Identified, step:
 
 /// What the answer adds to a machine where it is believed; what happens once is no part of one.
 fn lasting(machine: &Machine, answer: &Answer) -> Vec<EffectEntry> {
-    let believed = matches!(answer.verdict, Verdict::Named | Verdict::Partial);
+    let believed = answer.verdict.is_certain();
     let is_new = |id: &str| machine.effects.iter().all(|there| there.id != id);
     let effects = answer.effects.iter().filter(|effect| believed && effect.recording.is_none() && is_new(&effect.id));
     let entry = |effect: &crate::report::EffectAnswer| EffectEntry {

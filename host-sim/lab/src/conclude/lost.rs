@@ -44,7 +44,7 @@ impl Lost {
     pub(super) fn doubt(&self, answer: &mut Answer) {
         let sentence = format!("Commands between the rows: the log holds one of {}.", self.ticks());
         answer.effects.iter_mut().for_each(|effect| effect.nuisances.push(sentence.clone()));
-        if matches!(answer.verdict, Verdict::Named | Verdict::Partial) {
+        if answer.verdict.is_certain() {
             answer.verdict = Verdict::Ambiguous;
         }
     }

@@ -21,6 +21,11 @@ pub enum Verdict {
 }
 
 impl Verdict {
+    /// Whether it offers what is named, to be believed or to be chosen from.
+    pub fn offers(self) -> bool {
+        matches!(self, Self::Named | Self::Partial | Self::Ambiguous)
+    }
+
     /// As in the answer.
     pub fn name(self) -> &'static str {
         match self {

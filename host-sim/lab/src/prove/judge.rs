@@ -208,12 +208,7 @@ fn strays(truth: &Truth, answer: &Answer) -> bool {
 
 /// Names offered by any verdict of which one is not there.
 fn names_wrongly(truth: &Truth, answer: &Answer) -> bool {
-    offers(answer.verdict) && answer.effects.iter().any(|effect| !there(truth, effect))
-}
-
-/// Verdicts that offer what they name.
-fn offers(verdict: Verdict) -> bool {
-    matches!(verdict, Verdict::Named | Verdict::Partial | Verdict::Ambiguous)
+    answer.verdict.offers() && answer.effects.iter().any(|effect| !there(truth, effect))
 }
 
 /// Smallest size that a drawn case asks to be found, over the detectable one: what is found in half of the cases is asked of none.
@@ -300,7 +295,7 @@ impl Outcome {
 
     /// Whether it named anything, by whatever verdict that offers names.
     pub fn offers_names(&self) -> bool {
-        offers(self.verdict) && !self.named.is_empty()
+        self.verdict.offers() && !self.named.is_empty()
     }
 
     /// What was concealed, in words.

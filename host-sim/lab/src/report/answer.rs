@@ -22,6 +22,11 @@ pub enum Verdict {
 }
 
 impl Verdict {
+    /// Whether what is named is certain, be it all or only some of what is missing.
+    pub fn is_certain(self) -> bool {
+        matches!(self, Self::Named | Self::Partial)
+    }
+
     /// As in the JSON.
     pub fn name(self) -> &'static str {
         match self {

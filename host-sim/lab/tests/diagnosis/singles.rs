@@ -122,10 +122,15 @@ fn check(size: usize, chosen: fn(usize, &str) -> bool) -> (usize, usize) {
     (held, values)
 }
 
+/// Of so many values in their intervals, of how many.
+fn hold((held, values): (usize, usize)) {
+    assert!(held as f64 >= HELD * values as f64, "{held} of {values}");
+}
+
 #[test]
 #[cfg_attr(debug_assertions, ignore = "minutes without optimisation; the tests in release run it")]
-fn each_fourth_effect_alone_is_first() {
-    check(0, |index, _| index % 4 == 0);
+fn each_fourth_effect_alone_is_first_and_intervals_hold_the_truth() {
+    hold(check(0, |index, _| index % 4 == 0));
 }
 
 #[test]
@@ -135,16 +140,9 @@ fn a_viscosity_that_waits_is_first() {
 }
 
 #[test]
-#[ignore = "missed: 7 of 12 values lie in their intervals (spring, Stribeck, a late viscosity and wrong samples do not)"]
-fn intervals_hold_the_truth() {
-    let (held, values) = check(0, |_, _| true);
-    assert!(held as f64 >= HELD * values as f64, "{held} of {values}");
-}
-
-#[test]
-#[ignore = "minutes: cargo test --release -p lab --test diagnosis singles -- --include-ignored --nocapture"]
-fn each_effect_alone_is_first() {
-    check(0, |_, _| true);
+#[ignore = "minutes, and missed: 54 of 56 values lie in their intervals, but a shaft and a gap are partial"]
+fn each_effect_alone_is_first_and_intervals_hold_the_truth() {
+    hold(check(0, |_, _| true));
 }
 
 #[test]

@@ -12,7 +12,7 @@ use crate::common::{Ended, run, shared};
 use diagnosis::effects::find;
 use diagnosis::physics::Physics;
 use lab::read::Machine;
-use lab::report::{Answer, EffectAnswer, Verdict};
+use lab::report::{Answer, EffectAnswer};
 use rand::rngs::StdRng;
 use rand::seq::IndexedRandom;
 use rand::{Rng, SeedableRng};
@@ -168,7 +168,7 @@ fn fault(ended: &Ended, machine: &Path) -> Option<String> {
 
 /// An effect that is named though the interval of its leading value holds what it is without the effect.
 fn misled(answer: &Answer, machine: &Machine) -> Option<String> {
-    if !matches!(answer.verdict, Verdict::Named | Verdict::Partial) {
+    if !answer.verdict.is_certain() {
         return None;
     }
     let nominal = Physics::nominal(machine, &[]);

@@ -223,8 +223,7 @@ fn came_back(added: &Added, before: &Answer, after: &Answer) -> (String, f64, Op
     let was = find(before);
     let from = was.as_ref().and_then(|was| was.value).unwrap_or(added.nominal);
     let spread = was.as_ref().and_then(half).unwrap_or(0.0);
-    let believed = matches!(after.verdict, Verdict::Named | Verdict::Partial | Verdict::Ambiguous);
-    let found = find(after).filter(|_| believed).and_then(|found| {
+    let found = find(after).filter(|_| after.verdict.offers()).and_then(|found| {
         let (value, half) = (found.value?, half(&found)?.hypot(spread));
         Some([value, value - half, value + half])
     });
