@@ -11,6 +11,8 @@ mod drive;
 mod fluid;
 mod friction;
 mod further;
+#[cfg(test)]
+mod given_motion;
 mod kinds;
 mod later;
 mod mechanics;
