@@ -15,7 +15,7 @@ const FAMILIES: usize = 6;
 
 /// Families outside the vocabulary that the tool was tuned beside, and since when. They are never scored as unseen again: a family
 /// is added here as soon as one case of it has been looked into.
-pub const LEDGER: [(&str, &str); 56] = [
+pub const LEDGER: [(&str, &str); 62] = [
     ("friction over position", "friction_over_position, round 20000 of the fixed plan"),
     ("friction over load", "friction_by_load, round 20000 of the fixed plan"),
     ("friction over rest", "stiction_by_rest, round 20000 of the fixed plan"),
@@ -72,6 +72,12 @@ pub const LEDGER: [(&str, &str); 56] = [
     ("field and shear together", "rings_form, round 280000 of the drawn plan"),
     ("orders that meet a resonance", "chattering_guide, round 280000 of the drawn plan"),
     ("gyroscopes", "gimbal_stops, round 280000 of the drawn plan"),
+    ("sensor that warms", "bracket_warps, round 290000 of the drawn plan"),
+    ("sensor under load", "column_bends, round 290000 of the drawn plan"),
+    ("sensor that speaks now and then", "dead_reckoning, round 290000 of the drawn plan"),
+    ("drive that adds its own", "disturbance_observer, round 290000 of the drawn plan"),
+    ("friction over load and speed", "flash_heat, round 290000 of the drawn plan"),
+    ("force over the stator", "short_coil, round 290000 of the drawn plan"),
 ];
 
 /// Families of a round: of those in the ledger below [`TUNING`], of the others from there on.
