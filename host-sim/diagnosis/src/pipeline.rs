@@ -3,6 +3,7 @@
 use crate::confidence_set::{Comparison, Interval, Step, alike_in_part, excluded, intervals};
 use crate::effects::{Effect, VOCABULARY};
 use crate::hypothesis::{Entry, Hypothesis, refit};
+use crate::physics::Physics;
 use crate::problem::Problem;
 use crate::remainder::{Remainder, remainder};
 use crate::search::{Found, LEVEL_OF_A_STEP, Odds, Rejected, SMALLEST_GAIN, first_noise, gain, p_value, search};
@@ -121,20 +122,26 @@ pub fn diagnose_as_read(problem: Problem, vocabulary: &[&'static Effect]) -> Opt
 }
 
 /// The problem with the rows of the torque column read the other way, as samples or as values held to the next row, and what is found so;
-/// none where that is certainly less likely. Half a row between the readings is a skew of the channels, and which reading is right was decided
-/// on the nominal machine, which may lack too much to tell.
+/// none where that is not asked for or less likely. Half a row between the readings is a skew of the channels, and which reading is right was
+/// decided on the nominal machine, which may lack too much to tell: so the other one is tried where a skew or a delay was found that is
+/// nearer to its half row than to none, and taken where it is likelier for the values it needs (Schwarz 1978).
 fn read_again(problem: &Problem, found: &Conclusion, vocabulary: &[&'static Effect]) -> Option<(Problem, Conclusion)> {
-    let best = &found.best.assessed.refitted;
-    let skew = best.hypothesis.entries.iter().position(|entry| entry.effect.first)?;
+    let (nominal, physics) = (&problem.nominal, found.best.assessed.refitted.hypothesis.physics(&problem.nominal));
+    let later_s = |physics: &Physics| physics.skew_s + physics.model.sensor.latency_s + physics.model.torque_delay_s;
     let other = problem.read_otherwise()?;
-    let without = refit(&other, &best.hypothesis.without(skew), &best.noise, STEPS_OF_THE_OTHER)?;
-    let rise = best.log_likelihood - without.log_likelihood;
-    if p_value(&found.best.assessed, skew, rise, Odds::of_one()) < LEVEL_OF_A_STEP {
+    let apart_s = |index: usize| problem.early_s[index] - other.early_s[index];
+    let nearer =
+        |index: usize| (later_s(&physics) - later_s(nominal) - apart_s(index)).abs() < 0.5 * apart_s(index).abs();
+    if !(0..problem.fitted).all(nearer) {
         return None;
     }
     let other = other.allowing(WORK.saturating_sub(problem.work()));
     let again = diagnose(&other, vocabulary)?;
-    Some((other, again))
+    let worth = |found: &Conclusion| {
+        let best = &found.best.assessed;
+        best.refitted.log_likelihood - problem.price() * best.freedom() as f64
+    };
+    (worth(&again) > worth(found)).then_some((other, again))
 }
 
 /// How a hypothesis predicts the windows that judge, beside another.

@@ -118,12 +118,23 @@ pub fn first_model(axis: &Axis, recordings: &[Recording]) -> Option<FirstModel> 
     fits.min_by(|one, other| doubt(one).total_cmp(&doubt(other)))
 }
 
-/// The first model by windows of one length.
+/// The first model by windows of one length, with the rows of the effort as samples or as commands held from row to row, whichever leaves
+/// less: half a row between the two is taken for a viscous friction of half a row of the inertia's torque.
 pub fn first_model_of(axis: &Axis, recordings: &[Recording], length_s: f64) -> Option<FirstModel> {
     let machine = neutral(axis);
     let of = |recording: &Recording| windows(&machine, recording, median_period_s(&recording.t_s), length_s);
-    let windows: Vec<Window> = recordings.iter().flat_map(of).collect();
-    balance(axis, recordings, &windows, length_s)
+    let samples: Vec<Window> = recordings.iter().flat_map(of).collect();
+    let held: Vec<Window> = recordings.iter().flat_map(|recording| of(&around_rows(recording))).collect();
+    let both = [samples, held].into_iter().filter_map(|windows| balance(axis, recordings, &windows, length_s));
+    both.min_by(|one, other| one.left.total_cmp(&other.left))
+}
+
+/// The same with what a held effort is in the mean about each row: as long the one before it as its own.
+fn around_rows(recording: &Recording) -> Recording {
+    let efforts = &recording.effort_cmd;
+    let before = efforts.first().into_iter().chain(efforts);
+    let effort_cmd = before.zip(efforts).map(|(before, own)| 0.5 * (before + own)).collect();
+    Recording { effort_cmd, ..recording.clone() }
 }
 
 /// A machine that does to the effort nothing.
