@@ -13,11 +13,11 @@ use crate::read::{Machine, Mode, Recording};
 /// speed do not tell it; what the fluid does when the rotor starts, a dead time later, hangs on it.
 pub(crate) fn recorded(machine: &Machine, file: &Recording) -> Recorded {
     let mut recorded = Recorded::new(file);
-    let (Some(config), Some(modes), Some(speeds)) = (&machine.controller, &file.mode, &file.velocity) else {
-        return recorded;
-    };
+    let (Some(modes), Some(speeds)) = (&file.mode, &file.velocity) else { return recorded };
+    // Modes are logged by this law alone: a file that leaves its parameters out leaves them at their defaults.
+    let config = machine.controller.unwrap_or_default();
     // A law with values that are not allowed asked for nothing that is known.
-    let Ok(params) = Params::new(config) else { return recorded };
+    let Ok(params) = Params::new(&config) else { return recorded };
     for ((command, mode), speed_rad_s) in recorded.commands.iter_mut().zip(modes).zip(speeds) {
         command.viscosity = match mode {
             Mode::Off => Some(0.0),

@@ -112,8 +112,8 @@ pub struct Apart {
 pub struct Cell {
     /// Where.
     pub point: Point,
-    /// The models apart without dry friction; none where it was not run, with the law as flashed or holding.
-    pub frictionless: Option<Apart>,
+    /// The models apart without dry friction, in the order of [`Reading::ALL`]; none where it was not run, with the law as flashed or holding.
+    pub frictionless: Option<[Apart; Reading::ALL.len()]>,
     /// In the order of [`Fluid::ALL`].
     outcomes: [Outcome; Fluid::ALL.len()],
     /// In the order of [`VISCOUS`].
@@ -126,6 +126,12 @@ impl Cell {
     pub fn of(&self, reading: Reading, fluid: Fluid) -> &Outcome {
         let viscous = VISCOUS.iter().position(|of| *of == fluid).filter(|_| reading == Reading::AsPrinted);
         viscous.map_or(&self.outcomes[fluid as usize], |index| &self.as_printed[index])
+    }
+
+    /// The models apart without dry friction; none where it was not run.
+    #[must_use]
+    pub fn apart_without_friction(&self, reading: Reading) -> Option<Apart> {
+        self.frictionless.map(|apart| apart[reading as usize])
     }
 
     /// The models apart with the dry friction of the machine.
@@ -149,7 +155,7 @@ fn apart(models: impl Iterator<Item = (f64, usize)>) -> Apart {
 pub struct Scan {
     /// Places where the rotor moved under every model, in a fixed order.
     pub cells: Vec<Cell>,
-    /// Runs simulated.
+    /// Runs at the places where the rotor moved.
     pub runs: usize,
     /// Places where friction holds the rotor against the whole step; they decide nothing.
     pub held: usize,
@@ -172,7 +178,8 @@ pub fn scan(progress: &Progress) -> Result<Scan, Error> {
     let held = cells.iter().filter(|cell| cell.is_none()).count();
     let cells: Vec<Cell> = cells.into_iter().flatten().collect();
     let frictionless = cells.iter().filter(|cell| cell.frictionless.is_some()).count();
-    let runs = points.len() * RUNS_A_PLACE + frictionless * (Fluid::ALL.len() - 1);
+    // But for Q dead 50 ms, in either reading.
+    let runs = cells.len() * RUNS_A_PLACE + frictionless * (RUNS_A_PLACE - 2);
     Ok(Scan { cells, runs, held })
 }
 
@@ -221,15 +228,20 @@ pub fn cell(point: Point) -> Result<Option<Cell>, Error> {
     Ok(Some(Cell { point, frictionless, outcomes, as_printed }))
 }
 
-fn without_friction(point: Point) -> Result<Apart, Error> {
-    let mut models = Vec::new();
-    for fluid in Fluid::ALL.into_iter().filter(|fluid| *fluid != Fluid::QDead50) {
-        let case = Case { coulomb_nm: 0.0, ..point.case(fluid, Reading::AsAFluid) };
+fn without_friction(point: Point) -> Result<[Apart; Reading::ALL.len()], Error> {
+    let outcome = |fluid, reading| {
+        let case = Case { coulomb_nm: 0.0, ..point.case(fluid, reading) };
         let rows = case.run()?;
         let rest_rad = rows.last().map_or(0.0, |row| row.truth.position);
-        models.push((rest_rad, case.response(&rows).map_or(0, |response| response.dips)));
+        Ok::<_, Error>((rest_rad, case.response(&rows).map_or(0, |response| response.dips)))
+    };
+    let mut models = Vec::new();
+    for fluid in Fluid::ALL.into_iter().filter(|fluid| *fluid != Fluid::QDead50) {
+        let bounded = outcome(fluid, Reading::AsAFluid)?;
+        let printed = if VISCOUS.contains(&fluid) { outcome(fluid, Reading::AsPrinted)? } else { bounded };
+        models.push([bounded, printed]);
     }
-    Ok(apart(models.into_iter()))
+    Ok(Reading::ALL.map(|reading| apart(models.iter().map(|model| model[reading as usize]))))
 }
 
 impl Outcome {

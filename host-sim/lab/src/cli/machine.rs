@@ -69,7 +69,11 @@ impl MachineArgs {
             }
         };
         if let Some(fluid) = self.fluid {
-            let (a, b) = model.er.as_ref().map_or((0.0704, 0.470), |er| (er.a, er.b));
+            let Some((a, b)) = model.er.as_ref().map(|er| (er.a, er.b)) else {
+                let message =
+                    "--fluid takes the place of the machine's own, and it has none: state plant.er.a and plant.er.b";
+                return Err(Error::Usage(message.to_owned()));
+            };
             let torque_limit = if self.as_printed { f64::INFINITY } else { Er::largest_torque(a, b) };
             model.er = Some(Er { response: self.response(fluid, torque_limit)?, ..Er::new(a, b, 0.0, 0.0) });
         }

@@ -189,6 +189,11 @@ impl Args {
         let period_s = period_s(&config);
         let damper = setup.model.er.as_ref().map(plant::Er::acting);
         let mode = self.mode.as_deref().and_then(beyond::find);
+        if mode.is_some() && !beyond::is_told(&setup.model) {
+            eprintln!(
+                "warning: --mode knows the rotor, friction, damper and delays of the paper's machine, and this is another one"
+            );
+        }
         let reference = scenario.reference.positions(period_s)?;
         let rows = match mode {
             None => run_loop(&setup, reference)?,

@@ -16,13 +16,12 @@ use crate::report::{
 /// The answer of a conclusion, without warnings.
 pub(super) fn answer(problem: &Problem, conclusion: &Conclusion, axis: AxisKind) -> Answer {
     // Against the noise itself: measured from what is left, whatever was gained would be all there is.
-    let expected = conclusion.best.windows.expected_rms(problem.judged(), 0);
-    let fit = fit(problem, conclusion, expected, axis);
+    let fit = fit(problem, conclusion, axis);
     let missing = conclusion.verdict != judged::Verdict::None;
     Answer {
         schema: 2,
         verdict: verdict(conclusion.verdict),
-        effects: conclusion.effects.iter().map(|named| effect(problem, named, (&fit, expected), axis)).collect(),
+        effects: conclusion.effects.iter().map(|named| effect(problem, named, &fit, axis)).collect(),
         locations: if missing {
             spans(problem, conclusion).iter().map(|span| location(problem, span, axis)).collect()
         } else {
@@ -64,7 +63,7 @@ fn verdict(verdict: judged::Verdict) -> Verdict {
     }
 }
 
-fn fit(problem: &Problem, conclusion: &Conclusion, expected: f64, axis: AxisKind) -> FitAnswer {
+fn fit(problem: &Problem, conclusion: &Conclusion, axis: AxisKind) -> FitAnswer {
     let (nominal, best) = (&conclusion.nominal.windows, &conclusion.best.windows);
     let fitted = 0..problem.fitted;
     let held = problem.judged();
@@ -79,7 +78,7 @@ fn fit(problem: &Problem, conclusion: &Conclusion, expected: f64, axis: AxisKind
         heldout_after_rms: after,
         noise_floor_rms: floor(fitted),
         heldout_floor_rms: floor_held,
-        excess_explained: explained(before, after, expected),
+        excess_explained: explained(before, after, floor_held),
         unit: Units::of(axis).position.to_owned(),
         horizon_s: window_s(problem, 0),
     }
@@ -91,7 +90,7 @@ fn explained(before: f64, after: f64, floor: f64) -> f64 {
     if excess > 0.0 { ((before * before - after * after) / excess).clamp(0.0, 1.0) } else { 0.0 }
 }
 
-fn effect(problem: &Problem, named: &Named, (fit, expected): (&FitAnswer, f64), axis: AxisKind) -> EffectAnswer {
+fn effect(problem: &Problem, named: &Named, fit: &FitAnswer, axis: AxisKind) -> EffectAnswer {
     let kinds = vocabulary::effect(named.effect.id).map_or(&[][..], |kind| kind.parameters);
     let without = fit.heldout_after_rms / (1.0 - named.gain).max(1e-9);
     EffectAnswer {
@@ -113,7 +112,7 @@ fn effect(problem: &Problem, named: &Named, (fit, expected): (&FitAnswer, f64), 
         evidence: Evidence {
             heldout_gain: named.gain,
             p_value: named.p_value,
-            excess_explained: explained(without, fit.heldout_after_rms, expected),
+            excess_explained: explained(without, fit.heldout_after_rms, fit.heldout_floor_rms),
         },
         recording: named.recording.and_then(|index| Some(problem.recordings.get(index)?.name.clone())),
     }
@@ -184,6 +183,10 @@ pub(super) fn warnings(problem: &Problem, conclusion: &Conclusion, next: bool) -
             "the machine file models no delay of the drive and no fluid, so the torque column may be a measurement: judged by what \
              torque the motion needs, up to {band_hz:.0} Hz"
         ));
+    }
+    if problem.fitted == problem.recordings.len() {
+        let message = "no recording was held out: what is said of held-out data is of what was fitted; --holdout FILE keeps one apart";
+        warnings.push(message.to_owned());
     }
     let stand = |standing| conclusion.effects.iter().filter(move |one| one.standing == standing);
     if conclusion.verdict == judged::Verdict::Ambiguous && stand(judged::Standing::Contested).next().is_some() {

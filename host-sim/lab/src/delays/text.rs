@@ -43,7 +43,7 @@ impl fmt::Display for Candidate {
             })
             .collect();
         let p_value = if self.behind == 0.0 { String::new() } else { format!("{:.2e}", self.p_value) };
-        write!(f, "{:16}{:10.1}{p_value:>10}  {standing:16}{}", self.name, self.behind, values.join(", "))
+        write!(f, "{:16}{:10.1}{p_value:>10}  {standing:18}{}", self.name, self.behind, values.join(", "))
     }
 }
 

@@ -72,6 +72,14 @@ pub struct Answer {
     pub warnings: Vec<String>,
 }
 
+impl Answer {
+    /// Whether it has more than one thing that may be what is missing.
+    pub(crate) fn offers_a_choice(&self) -> bool {
+        let [one] = &self.effects[..] else { return !self.effects.is_empty() };
+        !(one.equivalent.is_empty() && one.nuisances.is_empty() && self.alternatives.is_empty())
+    }
+}
+
 /// A model that these recordings do not exclude.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct AlternativeAnswer {

@@ -42,6 +42,9 @@ fn write_summary(text: &mut String, answer: &Answer, detail: Detail) -> std::fmt
     let headline = match answer.verdict {
         Verdict::None => "Nothing is missing from the model beyond the noise of these recordings.",
         Verdict::Named => "This is missing from the model:",
+        Verdict::Ambiguous if !answer.offers_a_choice() => {
+            "Something is missing, likely this, but not all that may stand in its place was compared:"
+        }
         Verdict::Ambiguous if answer.remainder.is_some() => {
             "Something is missing, these recordings cannot tell which of these it is, and something more is not explained:"
         }
@@ -256,6 +259,9 @@ mod tests {
     #[test]
     fn an_ambiguous_answer_tells_that_more_is_left() {
         let mut left = answer(Verdict::Ambiguous, FitAnswer::default());
+        // With nothing to choose from it does not ask which.
+        assert!(summary(&left).starts_with("Something is missing, likely this, but not all"), "{}", summary(&left));
+        left.effects[0].equivalent.push("torque_ripple".to_owned());
         assert!(
             summary(&left).starts_with("Something is missing, and these recordings cannot tell which of these it is:")
         );

@@ -26,9 +26,12 @@ pub(crate) fn sentence(answer: &Answer) -> String {
         }
         Verdict::Ambiguous => {
             let left = if answer.remainder.is_some() { "; something more is left that is not explained" } else { "" };
-            format!(
-                "The model lacks {found}: something is missing, and these recordings cannot tell which it is{left}."
-            )
+            let why = if answer.offers_a_choice() {
+                "these recordings cannot tell which it is"
+            } else {
+                "not all that may stand in its place was compared"
+            };
+            format!("The model lacks {found}: something is missing, and {why}{left}.")
         }
         Verdict::Unknown => {
             "Something is missing from the model, and nothing in the vocabulary explains it.".to_owned()

@@ -101,7 +101,7 @@ fn differ(scan: &Scan, law: Law, test: &Test) -> bool {
 fn friction(scan: &Scan) -> Vec<String> {
     let cells = scan.at(Law::PAPER, 1.0).filter(|cell| cell.point.step_rad == STEP_RAD);
     let lines = cells.filter_map(|cell| {
-        let (without, with) = (cell.frictionless?, cell.apart(Reading::AsAFluid));
+        let (without, with) = (cell.apart_without_friction(Reading::AsAFluid)?, cell.apart(Reading::AsAFluid));
         Some(format!(
             "30 degrees, L {} ms: rest positions spread {:.3} mrad with friction 0, {:.3} with {COULOMB_NM} N m; at most {} \
              and {} dips",

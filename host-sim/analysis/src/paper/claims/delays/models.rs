@@ -166,7 +166,7 @@ fn worse(a: &Outcome, b: &Outcome) -> bool {
 fn friction_tells_apart(view: &View) -> bool {
     let with = view.cell.apart(view.reading);
     view.cell
-        .frictionless
+        .apart_without_friction(view.reading)
         .is_some_and(|without| 2.0 * without.rest_rad < with.rest_rad || without.dips + 2 <= with.dips)
 }
 

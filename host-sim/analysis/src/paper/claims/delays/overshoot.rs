@@ -85,21 +85,23 @@ pub(super) fn without_damper() -> Result<Vec<String>, Error> {
         };
         // Halved until 1 % is left of an octave and a half.
         let (mut calm, mut vibrates) = (1.0, 2.8);
-        if overshoots(calm)? || !overshoots(vibrates)? {
-            return Ok(format!("gains for {} ms: no such edge between 1 and 2.8 times", delay_s * 1e3));
+        let of_gains = format!("gains for {} ms, 30 degrees", delay_s * 1e3);
+        if overshoots(calm)? {
+            return Ok(format!("{of_gains}: a plant as fast as they assume vibrates too, which says nothing of L"));
+        }
+        if !overshoots(vibrates)? {
+            return Ok(format!("{of_gains}: no plant up to {vibrates} times as slow vibrates"));
         }
         while vibrates - calm > 0.01 {
             let middle = 0.5 * (calm + vibrates);
             if overshoots(middle)? { vibrates = middle } else { calm = middle }
         }
-        Ok(format!(
-            "gains for {} ms, 30 degrees: from a plant of {:.1} ms on, {vibrates:.2} times as slow",
-            delay_s * 1e3,
-            vibrates * delay_s * 1e3
-        ))
+        Ok(format!("{of_gains}: from a plant of {:.1} ms on, {vibrates:.2} times as slow", vibrates * delay_s * 1e3))
     };
-    let mut lines =
-        vec!["a clue to L: if Fig. 11 vibrates, the plant is slower than the gains assume, by at least".to_owned()];
+    let mut lines = vec![
+        "a clue to L: if Fig. 11 vibrates, and a plant as fast as the gains assume does not, the plant is slower"
+            .to_owned(),
+    ];
     lines.extend(GAINS_DELAYS_S.par_iter().map(line).collect::<Result<Vec<_>, Error>>()?);
     Ok(lines)
 }
