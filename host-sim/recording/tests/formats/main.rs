@@ -8,6 +8,7 @@ mod mcap;
 mod mcap_protobuf;
 mod other_logs;
 mod outputs;
+mod parquet;
 mod real_data;
 mod recording_csv;
 mod round_trip;
