@@ -19,8 +19,8 @@ pub const READABLE: &str = "CSV (separated by commas, `;` or tabs, decimal point
 
 /// A log that unpacks to more is taken for a corrupt one, bytes.
 const MOST_UNPACKED: u64 = 1 << 32;
-/// First bytes that tell a format.
-const HEAD: usize = 16;
+/// First bytes that tell a format, and whether a file is text.
+const HEAD: usize = 512;
 
 /// What a log holds.
 pub(crate) enum Log {
@@ -212,8 +212,9 @@ fn format(file: &Path, head: &[u8]) -> Result<Format, Error> {
     if head.trim_ascii_start().starts_with(b"{") {
         return Ok(Format::SysId);
     }
-    let is_text = head.is_empty() || !head.contains(&0);
-    if is_text || name.ends_with(".csv") {
+    // Text has no signs of control but those of its lines; the end of text of old editors is let pass.
+    let is_text = |byte: &u8| *byte >= b' ' || matches!(byte, b'\t' | b'\n' | b'\r' | b'\x0c' | b'\x1a');
+    if head.iter().all(is_text) {
         return Ok(Format::Csv);
     }
     other("is not of a known format")

@@ -1,6 +1,7 @@
 //! Every format that is read or written, and what of it is refused.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+mod exports;
 mod hdf5;
 mod machine_file;
 mod mat;

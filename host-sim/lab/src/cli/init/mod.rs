@@ -51,6 +51,8 @@ struct Findings<'a> {
     /// What the columns are; empty where the logs have those of the format.
     mapping: Mapping,
     recordings: Vec<Recording>,
+    /// Rows above the header of the first log.
+    rows_above: usize,
     model: Option<FirstModel>,
 }
 
@@ -102,7 +104,7 @@ fn find(args: &Args) -> Result<Findings<'_>, Error> {
         recordings = read(&args.logs, &axis, &mapping)?;
     }
     let model = first_model(&axis, &recordings);
-    Ok(Findings { logs: &args.logs, axis, guesses, mapping, recordings, model })
+    Ok(Findings { logs: &args.logs, axis, guesses, mapping, recordings, rows_above: table.rows_above, model })
 }
 
 /// Whether a flag gives the column, which is then left as it is.

@@ -171,6 +171,9 @@ pub(super) fn summary(findings: &Findings<'_>, file: &Path) -> String {
         let own = Units::of(kind).effort;
         let _ = writeln!(text, "note: how many {own} one {effort} makes is not known: all values are in {effort}");
     }
+    if let (count @ 1.., Some(first)) = (findings.rows_above, findings.recordings.first()) {
+        let _ = writeln!(text, "note: {}: {count} rows above the header are left out", first.name);
+    }
     for recording in &findings.recordings {
         text.extend(recording.notes().iter().map(|note| format!("note: {note}\n")));
         text.extend(wrong_velocity(recording).map(|wrong| format!("note: {}: {wrong}\n", recording.name)));
