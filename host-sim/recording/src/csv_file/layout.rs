@@ -122,10 +122,11 @@ fn table(rows: &[Vec<String>], blanks: bool) -> Option<(usize, bool)> {
         let fits = |row: &[String]| row.len() == names.len() || named(row).len() == names.len();
         let units = below.first().is_some_and(|row| fits(row) && are_units(row));
         let data = below.get(usize::from(units)).is_some_and(|row| fits(row) && numbers(row) >= FEWEST_NUMBERS);
-        let is_header = names.len() >= FEWEST_NUMBERS && !names.iter().any(|name| name.is_empty() || is_number(name));
-        if is_header && data {
-            // The same header twice: what stands between is data.
-            return (!rows[..above].contains(header)).then_some((above, units));
+        if are_names(names) && data {
+            // The same header twice: what stands between is data. Two rows of names: which are the names, nobody knows.
+            let first = above.checked_sub(1).map(|before| named(&rows[before]));
+            let is_second = first.is_some_and(|first| first.len() == names.len() && are_names(first) && differ(first));
+            return (!is_second && !rows[..above].contains(header)).then_some((above, units));
         }
         // A title in words, `Run 2 of 5`, has numbers too where blanks separate.
         let is_title = blanks && 2 * numbers(header) <= header.len();
@@ -134,6 +135,15 @@ fn table(rows: &[Vec<String>], blanks: bool) -> Option<(usize, bool)> {
         }
     }
     None
+}
+
+fn are_names(names: &[String]) -> bool {
+    names.len() >= FEWEST_NUMBERS && !names.iter().any(|name| name.is_empty() || is_number(name))
+}
+
+/// Whether no name is there twice, as the names of groups of columns are.
+fn differ(names: &[String]) -> bool {
+    names.iter().enumerate().all(|(at, name)| !names[..at].contains(name))
 }
 
 fn numbers(row: &[String]) -> usize {

@@ -99,6 +99,8 @@ fn a_row_of_units_tells_the_units() {
     };
     assert_eq!(own("s,rad,Nm").unwrap().position, [1.0, 2.0]);
     assert!(own("s,deg,Nm").unwrap_err().starts_with("a.csv:2: position_rad: the row of units says `deg`"));
+    // Names of groups of columns are a title.
+    holds(format!("Clock,Motor,Motor\nt,pos,i\n{ROWS}").as_bytes(), FLAGS);
     // A row of other words is data that is wrong.
     assert!(refused(b"t,pos,i\nfoo,bar,baz\n0,1,2\n1,2,3\n", &[]).ends_with("`t` holds `foo` in line 2"));
 }
