@@ -29,7 +29,7 @@ pub struct Table {
 }
 
 impl Table {
-    /// Reads the log in `file`, of any format of [`crate::READABLE`]; `-` is standard input.
+    /// Reads the log in `file`, of any format of [`crate::FORMATS`]; `-` is standard input.
     ///
     /// # Errors
     ///
