@@ -111,8 +111,10 @@ pub(crate) enum Wanted<'a> {
     Recording(Option<AxisKind>),
     /// A recording whose columns a machine file names; the format's own where the log has none of those.
     Mapped(AxisKind, &'a Mapping),
-    /// Every column as it stands.
+    /// Every column as it stands, with rows.
     Table,
+    /// The same of a table of words, which may have no rows.
+    Words,
 }
 
 /// One column of a file.
@@ -191,7 +193,7 @@ impl Header {
                 Some(header) => return header,
                 None => Some(axis),
             },
-            Wanted::Table => {
+            Wanted::Table | Wanted::Words => {
                 let columns = names.into_iter().map(|name| HeaderColumn::new(name, Role::Other)).collect();
                 return Ok(Self { axis: AxisKind::Rotary, columns, mapped: false, rows_above: 0 });
             }

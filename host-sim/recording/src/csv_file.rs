@@ -94,7 +94,7 @@ fn read_rows<'a, R: Read>(
         columns.take_units(&row).map_err(|complaint| Misread::new(&row, complaint))?;
     }
     let mut is_row = is_data || next(rows, &mut row)?;
-    if !is_row {
+    if !is_row && !matches!(wanted, Wanted::Words) {
         return Err(Misread::new(&last, Complaint::new("", "the file holds a header but no rows")));
     }
     while is_row {
@@ -126,7 +126,7 @@ fn header(row: &ByteRecord, layout: &Layout, wanted: Wanted<'_>) -> Result<(Head
     let can_be_numbered = match wanted {
         Wanted::Recording(_) => false,
         Wanted::Mapped(_, mapping) => !mapping.is_empty(),
-        Wanted::Table => true,
+        Wanted::Table | Wanted::Words => true,
     };
     let names = match layout.names(cells.len()) {
         Some(names) if is_data => names,

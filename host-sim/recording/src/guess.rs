@@ -110,7 +110,9 @@ fn given(table: &Table, flag: &MapFlag, axis: AxisKind) -> Result<Guess, String>
 fn unknown(table: &Table, flag: &MapFlag) -> String {
     if let Some(cell) = table.not_number(&flag.name) {
         let dates = if flag.column == Column::Time { dates(cell) } else { "" };
-        return format!("the column holds {cell}, which is no number{dates}; mend the log, or give another column");
+        return format!(
+            "the column holds cells that are no finite numbers, the first {cell}{dates}; mend the log, or give another column"
+        );
     }
     let names = table.numbers.iter().map(|(name, _)| name).chain(&table.others);
     match misspelt(&flag.name, names.map(String::as_str)) {

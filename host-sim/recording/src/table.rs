@@ -53,7 +53,7 @@ impl Table {
     ///
     /// As [`Table::read`]; a log of several topics.
     pub fn words(file: &Path) -> Result<Vec<(String, Vec<String>)>, Error> {
-        let Log::Columns(header, values) = log_file::read(file, Wanted::Table)? else {
+        let Log::Columns(header, values) = log_file::read(file, Wanted::Words)? else {
             return Err(Error::input(file, None, "", "is no table; save it as CSV or Parquet"));
         };
         let words = |values| if let Values::Text(cells) = values { cells } else { Vec::new() };

@@ -116,8 +116,8 @@ fn not_numbers(table: &Table, column: Column, axis: AxisKind) -> Option<String> 
     let (key, unit, cell) = (column.key(axis), column.unit(axis), table.not_number(name)?);
     let dates = if column == Column::Time { dates(cell) } else { "" };
     Some(format!(
-        "`{key}` is {} by its name, but that holds {cell}, which is no number{dates}; mend the log, or give another column as \
-         --map \"{key}=NAME:{unit}\"",
+        "{} holds cells that are no finite numbers, the first {cell}, and is `{key}` by its name{dates}; mend the log, or give \
+         another column as --map \"{key}=NAME:{unit}\"",
         quoted(name)
     ))
 }

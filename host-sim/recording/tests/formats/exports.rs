@@ -58,7 +58,8 @@ fn lines_above_the_header_are_left_out() {
     let bad = format!("Bench 3\n\nt,pos,i\n{ROWS}0.003,#N/A,1\n");
     assert_eq!(
         refused(bad.as_bytes(), FLAGS),
-        "--map position=pos: the column holds `#N/A` in line 7, which is no number; mend the log, or give another column"
+        "--map position=pos: the column holds cells that are no finite numbers, the first `#N/A` in line 7; mend the log, or give \
+         another column"
     );
 }
 
@@ -124,7 +125,7 @@ fn quoted_numbers_have_decimal_commas_where_that_is_certain() {
     // Thousands, or nobody knows.
     for (row, cell) in [("1,\"1,234\",3\n", "1,234"), ("1,\"1,234\",0.5\n", "1,234"), ("1,\"12,5\",0.5\n", "12,5")] {
         let error = read(format!("t_s,position_rad,torque_cmd_nm\n0,1,2\n{row}").as_bytes(), &[]).unwrap_err();
-        assert!(error.contains(&format!("`{cell}` in line 3, which is no number")), "{error}");
+        assert!(error.contains(&format!("no finite numbers, the first `{cell}` in line 3")), "{error}");
         let own = Recording::from_csv_bytes(
             Path::new("a.csv"),
             format!("t_s,position_rad,torque_cmd_nm\n0,1,2\n{row}").as_bytes(),
@@ -165,19 +166,24 @@ fn text_of_windows_is_read() {
 fn dates_and_bad_cells_are_told_with_their_line() {
     let dates = "timestamp,pos,torque\n2024-05-01T12:00:00.001,1,2\n2024-05-01T12:00:00.002,1,2\n";
     let error = refused(dates.as_bytes(), &[]);
-    assert!(error.starts_with("`time` is `timestamp` by its name, but that holds `2024-05-01T12:00:00.001` in line 2"));
+    let first = "`timestamp` holds cells that are no finite numbers, the first `2024-05-01T12:00:00.001` in line 2, and is `time`";
+    assert!(error.starts_with(first), "{error}");
     assert!(error.contains("dates are not read: add a column of seconds, in Python"), "{error}");
     assert!(refused(dates.as_bytes(), &["time=timestamp:s"]).contains("dates are not read"));
     for cell in ["nan", "#N/A", "", "inf"] {
         let text = format!("t,note,pos,torque\n0,x,1,2\n\n# pause\n1,y,{cell},2\n2,z,1,2\n");
         let error = refused(text.as_bytes(), &[]);
         assert!(
-            error.contains(&format!("`position` is `pos` by its name, but that holds `{cell}` in line 5")),
+            error.starts_with(&format!("`pos` holds cells that are no finite numbers, the first `{cell}` in line 5")),
             "{error}"
         );
         assert!(!error.contains("dates"), "{error}");
     }
     assert_eq!(table(b"# x\nt,pos\n").unwrap_err(), "a.csv:2: the file holds a header but no rows");
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("words.csv"), "t,pos\n").unwrap();
+    let words = Table::words(&folder.path().join("words.csv")).unwrap();
+    assert_eq!(words, [("t".to_owned(), vec![]), ("pos".to_owned(), vec![])], "a table of words may have no rows");
     let error = table(b"a,b\nx,y\n").unwrap_err();
     assert_eq!(error, "a.csv: the file holds no column of numbers: `a` holds `x` in line 2");
 }
