@@ -111,8 +111,10 @@ pub(crate) enum Wanted<'a> {
     Recording(Option<AxisKind>),
     /// A recording whose columns a machine file names; the format's own where the log has none of those.
     Mapped(AxisKind, &'a Mapping),
-    /// Every column as it stands.
+    /// Every column as it stands, with rows.
     Table,
+    /// The same of a table of words, which may have no rows.
+    Words,
 }
 
 /// One column of a file.
@@ -120,6 +122,31 @@ pub(crate) enum Wanted<'a> {
 pub(crate) struct HeaderColumn {
     pub(crate) name: String,
     pub(crate) role: Role,
+    /// What a row of units says of it.
+    pub(crate) unit: Option<String>,
+    /// The first cell that is no finite number, where the reader knows its line and nobody has said what the column is.
+    pub(crate) not_number: Option<NotNumber>,
+}
+
+impl HeaderColumn {
+    fn new(name: String, role: Role) -> Self {
+        Self { name, role, unit: None, not_number: None }
+    }
+}
+
+/// A cell that is no finite number.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct NotNumber {
+    /// `line 17`, or `row 16` in files that have no lines.
+    pub(crate) place: String,
+    pub(crate) cell: String,
+}
+
+impl NotNumber {
+    /// In the row of this index.
+    pub(crate) fn at(row: usize, cell: &str) -> Self {
+        Self { place: format!("row {}", row + 1), cell: cell.to_owned() }
+    }
 }
 
 /// What a column of a file is.
@@ -150,6 +177,8 @@ pub(crate) struct Header {
     pub(crate) columns: Vec<HeaderColumn>,
     /// Whether a mapping named the columns.
     pub(crate) mapped: bool,
+    /// Rows above the header that are left out.
+    pub(crate) rows_above: usize,
 }
 
 impl Header {
@@ -164,9 +193,9 @@ impl Header {
                 Some(header) => return header,
                 None => Some(axis),
             },
-            Wanted::Table => {
-                let columns = names.into_iter().map(|name| HeaderColumn { name, role: Role::Other }).collect();
-                return Ok(Self { axis: AxisKind::Rotary, columns, mapped: false });
+            Wanted::Table | Wanted::Words => {
+                let columns = names.into_iter().map(|name| HeaderColumn::new(name, Role::Other)).collect();
+                return Ok(Self { axis: AxisKind::Rotary, columns, mapped: false, rows_above: 0 });
             }
         };
         let axis = axis_of(&names, expected)?;
@@ -174,10 +203,10 @@ impl Header {
             .into_iter()
             .map(|name| {
                 let role = Column::named(&name, axis).map_or(Role::Other, |column| Role::Known(column, Reading::PLAIN));
-                HeaderColumn { name, role }
+                HeaderColumn::new(name, role)
             })
             .collect();
-        let header = Self { axis, columns, mapped: false };
+        let header = Self { axis, columns, mapped: false, rows_above: 0 };
         let missing: Vec<&str> = Column::REQUIRED
             .into_iter()
             .filter(|required| !header.columns.iter().any(|column| column.role.column() == Some(*required)))
@@ -193,13 +222,12 @@ impl Header {
         if places.iter().all(|(_, place)| place.is_none()) && Column::REQUIRED.iter().all(own) {
             return None;
         }
-        let mut columns: Vec<_> =
-            names.iter().map(|name| HeaderColumn { name: name.clone(), role: Role::Skipped }).collect();
+        let mut columns: Vec<_> = names.iter().map(|name| HeaderColumn::new(name.clone(), Role::Skipped)).collect();
         for (mapped, place) in places {
             let Some(place) = place else { return Some(Err(unmapped(names, axis, mapped))) };
             columns[place].role = Role::Known(mapped.column, mapped.reading());
         }
-        Some(Ok(Self { axis, columns, mapped: true }))
+        Some(Ok(Self { axis, columns, mapped: true, rows_above: 0 }))
     }
 
     /// All required columns that are missing, each with the one that may be meant to be it.
@@ -244,7 +272,7 @@ fn unmapped(names: &[String], axis: AxisKind, mapped: &MappedColumn) -> Complain
 }
 
 /// At most a dozen names, for a message.
-fn quoted_list(names: &[&str]) -> String {
+pub(crate) fn quoted_list(names: &[&str]) -> String {
     let shown: Vec<_> = names.iter().take(12).map(|name| quoted(name)).collect();
     let more = names.len().saturating_sub(shown.len());
     if more == 0 { shown.join(", ") } else { format!("{} and {more} more", shown.join(", ")) }

@@ -4,11 +4,11 @@ mod names;
 mod search;
 
 use super::joints::Joints;
-use super::nearest::quoted;
+use super::nearest::{misspelt, quoted};
 use super::units::{self, Quantity};
 use super::{AxisKind, Column, MapFlag, MappedColumn, Mapping, Table};
 use names::{fit, telling, words};
-use search::Search;
+use search::{Search, dates};
 
 /// Sample periods of drives, s; a clock whose steps are outside is in another unit.
 const PERIODS_S: std::ops::Range<f64> = 2e-5..5e-2;
@@ -42,7 +42,7 @@ pub struct Given<'a> {
 /// A sentence: a flag that cannot be followed, a required column that no name resembles, several joints.
 pub fn guess(table: &Table, known: Given<'_>) -> Result<(AxisKind, Vec<Guess>), String> {
     let axis = known.axis.unwrap_or_else(|| told_axis(table, known.flags));
-    let fits = |name: &str, column: Column| fit(name, column, axis).is_some();
+    let fits = |name: &str, column: Column| fit(table, name, column, axis).is_some();
     let mut guesses = Vec::new();
     for flag in known.flags {
         guesses.push(given(table, flag, axis)?);
@@ -62,9 +62,10 @@ pub fn guess(table: &Table, known: Given<'_>) -> Result<(AxisKind, Vec<Guess>), 
     Ok((axis, guesses))
 }
 
-/// The unit that a flag gives, or else the name of its column.
-fn unit_given(flag: &MapFlag) -> Option<String> {
-    if flag.unit.is_empty() { units::told(&flag.name) } else { Some(flag.unit.clone()) }
+/// The unit that a flag gives, or else its column.
+fn unit_given(table: &Table, flag: &MapFlag) -> Option<String> {
+    let name = table.column(&flag.name).map_or(flag.name.as_str(), |(name, _)| name);
+    if flag.unit.is_empty() { table.unit(name) } else { Some(flag.unit.clone()) }
 }
 
 /// The kind of axis: that of the position where a flag tells its unit, whatever the effort is called; else linear where any key or
@@ -72,13 +73,13 @@ fn unit_given(flag: &MapFlag) -> Option<String> {
 fn told_axis(table: &Table, flags: &[MapFlag]) -> AxisKind {
     let quantity = |unit: String| units::measure(&unit).map(|measure| measure.quantity);
     let position = flags.iter().find(|flag| flag.column == Column::Position);
-    match position.and_then(unit_given).and_then(quantity) {
+    match position.and_then(|flag| unit_given(table, flag)).and_then(quantity) {
         Some(Quantity::Length) => return AxisKind::Linear,
         Some(Quantity::Angle) => return AxisKind::Rotary,
         _ => {}
     }
     let linear_key = |flag: &MapFlag| flag.key != flag.column.key(AxisKind::Rotary);
-    let names = table.numbers.iter().filter_map(|(name, _)| units::told(name));
+    let names = table.numbers.iter().filter_map(|(name, _)| table.unit(name));
     let units = flags.iter().map(|flag| flag.unit.clone()).chain(names);
     let linear = |quantity| matches!(quantity, Quantity::Length | Quantity::Force | Quantity::Speed);
     let is_linear = flags.iter().any(linear_key) || units.filter_map(quantity).any(linear);
@@ -94,16 +95,30 @@ fn given(table: &Table, flag: &MapFlag, axis: AxisKind) -> Result<Guess, String>
             let mapped = MappedColumn::new(column, axis, &flag.name, &flag.unit, flag.scale).map_err(wrong)?;
             return Ok(Guess { mapped, because: "given".to_owned(), unsure: false });
         }
-        let what = if table.others.contains(&flag.name) { "is not a column of numbers" } else { "is not in the log" };
-        return Err(wrong(format!("the column {what}; {}", has(table))));
+        return Err(wrong(unknown(table, flag)));
     };
     let (unit, unit_because, unsure) = if flag.unit.is_empty() && flag.scale.is_none() {
-        unit_of(column, axis, name, values)
+        unit_of(table, column, axis, (name, values))
     } else {
         (flag.unit.clone(), "given".to_owned(), false)
     };
     let mapped = MappedColumn::new(column, axis, name, &unit, flag.scale).map_err(wrong)?;
     Ok(Guess { mapped, because: format!("given; unit: {unit_because}"), unsure })
+}
+
+/// Why a flag names no column of numbers, and which may be meant.
+fn unknown(table: &Table, flag: &MapFlag) -> String {
+    if let Some(cell) = table.not_number(&flag.name) {
+        let dates = if flag.column == Column::Time { dates(cell) } else { "" };
+        return format!(
+            "the column holds cells that are no finite numbers, the first {cell}{dates}; mend the log, or give another column"
+        );
+    }
+    let names = table.numbers.iter().map(|(name, _)| name).chain(&table.others);
+    match misspelt(&flag.name, names.map(String::as_str)) {
+        Some(near) => format!("the column is not in the log; is {} meant?", quoted(near)),
+        None => format!("the column is not in the log; {}", has(table)),
+    }
 }
 
 fn has(table: &Table) -> String {
@@ -114,11 +129,13 @@ fn has(table: &Table) -> String {
 }
 
 /// The unit of a column, why, and whether that is unsure.
-fn unit_of(column: Column, axis: AxisKind, name: &str, values: &[f64]) -> (String, String, bool) {
-    let told = units::told(name)
+fn unit_of(table: &Table, column: Column, axis: AxisKind, (name, values): (&str, &[f64])) -> (String, String, bool) {
+    let told = table
+        .unit(name)
         .filter(|unit| units::measure(unit).is_some_and(|measure| column.quantities(axis).contains(&measure.quantity)));
     if let Some(unit) = told {
-        return (unit, "by its name".to_owned(), false);
+        let because = if units::told(name).is_some() { "by its name" } else { "by the row below the header" };
+        return (unit, because.to_owned(), false);
     }
     let own = column.unit(axis);
     if column == Column::Time && values.len() > 1 {
@@ -154,7 +171,12 @@ mod tests {
             ((*name).to_owned(), (0..50).map(|row| f64::from(row) * step).collect())
         };
         let topics = vec![0; names.len()];
-        Table { numbers: names.iter().map(column).collect(), topics, others: vec!["note".to_owned()] }
+        Table {
+            numbers: names.iter().map(column).collect(),
+            topics,
+            others: vec!["note".to_owned()],
+            ..Table::default()
+        }
     }
 
     fn found(names: &[&str], flags: &[&str]) -> Result<Vec<String>, String> {

@@ -48,7 +48,7 @@ pub use controller::read_parameters;
 pub use error::Error;
 pub use guess::{Given, Guess, guess};
 pub use in_memory::InMemory;
-pub use log_file::READABLE;
+pub use log_file::{FORMATS, readable};
 pub use machine::{Axis, AxisKind, EffectEntry, ErElectrode, ErFluid, ErNominal, Machine, PlantNominal};
 pub use map_flag::MapFlag;
 pub use mapping::{MappedColumn, Mapping};

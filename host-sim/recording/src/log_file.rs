@@ -13,14 +13,47 @@ use super::values::Values;
 use super::{csv_file, hdf5_file, mat_file, mcap_file, parquet_file, sysid_file, ulog_file};
 use crate::Error;
 
-/// Formats that are read, for messages and help.
-pub const READABLE: &str = "CSV (separated by commas, `;` or tabs, decimal point or comma), Parquet, MCAP (JSON, joint states \
-                            of ROS 2 and Foxglove), MATLAB .mat, HDF5, PX4 ULog, and JSON of WPILib's SysId, each also as .gz";
+/// Formats that are read, and what of each becomes a column: for messages, help and `docs/formats.md`, which a test compares.
+pub const FORMATS: &[(&str, &str)] = &[
+    (
+        "CSV",
+        "each column; separated by commas, `;`, tabs or blanks, with decimal points or decimal commas, in UTF-8 or as Windows writes it",
+    ),
+    ("Parquet", "each plain column; packed with snappy, zstd, gzip, lz4 or not at all"),
+    (
+        "MCAP (JSON, Protobuf, joint states of ROS 2 and Foxglove)",
+        "of messages in JSON or Protobuf each number by its path, `/motor.state.position`; of joint states \
+         (`sensor_msgs/JointState` in CDR or JSON, Foxglove's in JSON or Protobuf) each joint by its name, \
+         `/joint_states.elbow.position`. `log_time_s` is when a message was logged, `stamp_s` the time in its header, both from the \
+         first message on. Chunks may be packed with zstd or lz4",
+    ),
+    (
+        "MATLAB .mat (versions 5 to 7.3)",
+        "each vector; of a matrix each column, `log[2]`; of a structure each field, `run.motor.pos`. Tables, timetables and \
+         timeseries only MATLAB reads: a file of nothing else is refused with the command that saves their values",
+    ),
+    (
+        "HDF5",
+        "each data set of numbers by its path, `motor.current`: vectors, columns of matrices, numeric fields of tables; packed with \
+         deflate, shuffled, with sums",
+    ),
+    ("PX4 ULog", "each field of each logged message, `actuator_motors.control[0]`"),
+    (
+        "JSON of WPILib's SysId (to 2023)",
+        "time, voltage, position, velocity; the tests one after another with a gap between two",
+    ),
+];
+
+/// The names of [`FORMATS`], for a message.
+pub fn readable() -> String {
+    let names: Vec<&str> = FORMATS.iter().map(|(name, _)| *name).collect();
+    format!("{}, each also as .gz", names.join(", "))
+}
 
 /// A log that unpacks to more is taken for a corrupt one, bytes.
 const MOST_UNPACKED: u64 = 1 << 32;
-/// First bytes that tell a format.
-const HEAD: usize = 16;
+/// First bytes that tell a format, and whether a file is text.
+const HEAD: usize = 512;
 
 /// What a log holds.
 pub(crate) enum Log {
@@ -202,7 +235,7 @@ fn format(file: &Path, head: &[u8]) -> Result<Format, Error> {
     if name.ends_with(".parquet") {
         return Ok(Format::Parquet);
     }
-    let other = |what: &str| Err(Error::input(file, None, "", format!("{what}; can be read: {READABLE}")));
+    let other = |what: &str| Err(Error::input(file, None, "", format!("{what}; can be read: {}", readable())));
     if name.ends_with(".npz") && head.starts_with(b"PK\x03\x04") {
         return other(NPZ);
     }
@@ -212,9 +245,27 @@ fn format(file: &Path, head: &[u8]) -> Result<Format, Error> {
     if head.trim_ascii_start().starts_with(b"{") {
         return Ok(Format::SysId);
     }
-    let is_text = head.is_empty() || !head.contains(&0);
-    if is_text || name.ends_with(".csv") {
+    // Text has no signs of control but those of its lines; the end of text of old editors is let pass.
+    let is_text = |byte: &u8| *byte >= b' ' || matches!(byte, b'\t' | b'\n' | b'\r' | b'\x0c' | b'\x1a');
+    if head.iter().all(is_text) {
         return Ok(Format::Csv);
     }
     other("is not of a known format")
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    #[test]
+    fn the_docs_list_the_same_formats() {
+        let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/formats.md");
+        let docs = fs::read_to_string(docs).unwrap();
+        let rows: Vec<&str> = docs.lines().filter(|line| line.starts_with("| ")).skip(1).collect();
+        assert_eq!(rows.len(), FORMATS.len(), "{rows:?}");
+        for (row, (name, columns)) in rows.into_iter().zip(FORMATS) {
+            assert!(row.starts_with(&format!("| {name} | {columns}")), "{row}\nis not\n| {name} | {columns}");
+        }
+    }
 }

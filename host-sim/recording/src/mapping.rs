@@ -123,6 +123,33 @@ impl Column {
     }
 }
 
+/// What a unit measures and how much it is, where it is one of the column on this kind of axis.
+fn measure_of(column: Column, axis: AxisKind, unit: &str) -> Result<units::Measure, String> {
+    let quantities = column.quantities(axis);
+    let counts = if quantities.contains(&Quantity::Counts) {
+        format!(", counts(number in a {})", if axis == AxisKind::Rotary { "revolution" } else { "metre" })
+    } else {
+        String::new()
+    };
+    let allowed = || format!("allowed are {}{counts}", units::written(quantities));
+    let Some(measure) = units::measure(unit) else {
+        // Of a unit that is none nobody knows which kind of axis was meant.
+        let other = if axis == AxisKind::Rotary { AxisKind::Linear } else { AxisKind::Rotary };
+        let others = column.quantities(other);
+        let elsewhere = if others == quantities {
+            String::new()
+        } else {
+            format!("; on a {} axis {}", other.name(), units::written(others))
+        };
+        return Err(format!("{} is not a unit; {}{elsewhere}", quoted(unit), allowed()));
+    };
+    if quantities.contains(&measure.quantity) {
+        return Ok(measure);
+    }
+    let (key, kind) = (column.key(axis), axis.name());
+    Err(format!("{} is not a unit of `{key}` on a {kind} axis; {}", quoted(unit), allowed()))
+}
+
 impl MappedColumn {
     /// The column `name` of a log, in `unit` (empty: the format's own) and times `scale`; without a scale, 1.
     ///
@@ -139,17 +166,7 @@ impl MappedColumn {
                 Err(format!("`{}` has neither unit nor scale", column.key(axis)))
             };
         }
-        let counts = if quantities.contains(&Quantity::Counts) {
-            format!(", counts(number in a {})", if axis == AxisKind::Rotary { "revolution" } else { "metre" })
-        } else {
-            String::new()
-        };
-        let allowed = || format!("allowed are {}{counts}", units::written(quantities));
-        let measure = units::measure(unit).ok_or_else(|| format!("{} is not a unit; {}", quoted(unit), allowed()))?;
-        if !quantities.contains(&measure.quantity) {
-            let (key, kind) = (column.key(axis), axis.name());
-            return Err(format!("{} is not a unit of `{key}` on a {kind} axis; {}", quoted(unit), allowed()));
-        }
+        let measure = measure_of(column, axis, unit)?;
         let needs_scale = matches!(measure.quantity, Quantity::Current | Quantity::Voltage);
         if needs_scale && scale.is_none() {
             return Err(format!("{} needs a scale: how many {own} one {unit} makes", quoted(unit)));
@@ -337,7 +354,19 @@ mod tests {
             error,
             "`mm` is not a unit of `position` on a rotary axis; allowed are mrad, rad, deg, rev, counts(number in a revolution)"
         );
-        assert!(factor(Column::Position, AxisKind::Rotary, "parsec", None).unwrap_err().contains("is not a unit"));
+        assert_eq!(
+            factor(Column::Position, AxisKind::Rotary, "parsec", None).unwrap_err(),
+            "`parsec` is not a unit; allowed are mrad, rad, deg, rev, counts(number in a revolution); on a linear axis mm, cm, um, \
+             inch, m"
+        );
+        let error = factor(Column::EffortCmd, AxisKind::Linear, "Mn", Some(1.0)).unwrap_err();
+        assert_eq!(
+            error,
+            "`Mn` is not a unit; allowed are MN, kN, mN, N, mA, A, mV, V; on a rotary axis MN m, mN m, kN m, N cm, N m, mA, A, \
+             mV, V"
+        );
+        assert_eq!(factor(Column::EffortCmd, AxisKind::Linear, "MN", None), Ok(1e6));
+        assert_eq!(factor(Column::Position, AxisKind::Linear, "inch", None), Ok(0.0254));
         assert!(factor(Column::Position, AxisKind::Rotary, "rad", Some(0.0)).unwrap_err().contains("other than 0"));
         assert!(factor(Column::Mode, AxisKind::Rotary, "rad", None).unwrap_err().contains("neither unit nor scale"));
     }

@@ -4,6 +4,8 @@ mod decode;
 
 use std::path::Path;
 
+use parquet::basic::Compression;
+use parquet::file::metadata::RowGroupMetaData;
 use parquet::file::reader::{ChunkReader, FileReader};
 use parquet::file::serialized_reader::SerializedFileReader;
 
@@ -54,6 +56,7 @@ fn read_columns(input: impl ChunkReader + 'static, wanted: Wanted<'_>) -> Result
             if *values == Values::Skipped {
                 continue;
             }
+            refuse_packing(group.metadata(), index, &column.name)?;
             let mut row = rows_before;
             decode::each_cell(group.as_ref(), index, rows, |cell| {
                 row += 1;
@@ -66,4 +69,18 @@ fn read_columns(input: impl ChunkReader + 'static, wanted: Wanted<'_>) -> Result
         rows_before += rows;
     }
     Ok((header, values))
+}
+
+/// Refuses what is packed in a way that is not read, before it looks damaged.
+fn refuse_packing(group: &RowGroupMetaData, index: usize, name: &str) -> Result<(), Complaint> {
+    let packing = match group.column(index).compression() {
+        Compression::BROTLI(_) => "BROTLI",
+        Compression::LZO => "LZO",
+        _ => return Ok(()),
+    };
+    let message = format!(
+        "is packed with {packing}, which is not read; write the file with zstd, snappy, gzip, lz4 or no packing, in Python: \
+         pandas.read_parquet('log').to_parquet('log.parquet', compression='zstd')"
+    );
+    Err(Complaint::new(name, message))
 }

@@ -218,7 +218,7 @@ impl Recording {
         }
     }
 
-    fn place(&mut self, HeaderColumn { name, role }: HeaderColumn, values: Values) {
+    fn place(&mut self, HeaderColumn { name, role, .. }: HeaderColumn, values: Values) {
         match values {
             Values::Skipped => {}
             Values::Text(values) => self.extra.push((name, values)),

@@ -10,7 +10,7 @@ use super::{AxisKind, Machine, Mapping, Recording, csv_file, log_file, parquet_f
 use crate::Error;
 
 impl Recording {
-    /// Reads the recording in `file`, of any format of [`crate::READABLE`], with the columns of the format; `-` is standard
+    /// Reads the recording in `file`, of any format of [`crate::FORMATS`], with the columns of the format; `-` is standard
     /// input.
     ///
     /// `expected` is the axis of the machine the recording is of; without one the axis follows the units of the columns.

@@ -2,10 +2,12 @@
 
 use std::path::Path;
 
-use super::columns::{Header, Wanted, place};
+use super::columns::{Header, NotNumber, Wanted, place};
 use super::log_file::{self, Log};
+use super::nearest::quoted;
 use super::topics::{Series, Topic};
-use super::values::Values;
+use super::units;
+use super::values::{Values, finite_number};
 use crate::Error;
 
 /// The columns of a log.
@@ -16,12 +18,18 @@ pub struct Table {
     pub numbers: Vec<(String, Vec<f64>)>,
     /// Of each column of [`Table::numbers`], which topic it is of; 0 throughout where the log is one table.
     pub topics: Vec<usize>,
+    /// Of each column of [`Table::numbers`], what a row of units below the header says; empty where nothing does.
+    pub units: Vec<Option<String>>,
     /// Names of the other columns.
     pub others: Vec<String>,
+    /// Of each of [`Table::others`], the first cell that is no finite number and where it is: `` `#N/A` in line 17 ``.
+    pub not_numbers: Vec<String>,
+    /// Rows above the header of a CSV file, which are left out: titles and settings.
+    pub rows_above: usize,
 }
 
 impl Table {
-    /// Reads the log in `file`, of any format of [`crate::READABLE`]; `-` is standard input.
+    /// Reads the log in `file`, of any format of [`crate::FORMATS`]; `-` is standard input.
     ///
     /// # Errors
     ///
@@ -45,7 +53,7 @@ impl Table {
     ///
     /// As [`Table::read`]; a log of several topics.
     pub fn words(file: &Path) -> Result<Vec<(String, Vec<String>)>, Error> {
-        let Log::Columns(header, values) = log_file::read(file, Wanted::Table)? else {
+        let Log::Columns(header, values) = log_file::read(file, Wanted::Words)? else {
             return Err(Error::input(file, None, "", "is no table; save it as CSV or Parquet"));
         };
         let words = |values| if let Values::Text(cells) = values { cells } else { Vec::new() };
@@ -58,15 +66,18 @@ impl Table {
             Log::Topics(topics) => Self::from_topics(topics),
         };
         if table.numbers.iter().all(|(_, values)| values.is_empty()) {
-            return Err(Error::input(file, None, "", "the file holds no rows of numbers"));
+            let why = table.others.iter().zip(&table.not_numbers).next();
+            let why = why.map_or_else(String::new, |(name, cell)| format!(": {} holds {cell}", quoted(name)));
+            return Err(Error::input(file, None, "", format!("the file holds no column of numbers{why}")));
         }
         Ok(table)
     }
 
     fn from_columns(header: Header, values: Vec<Values>) -> Self {
-        let mut table = Self::default();
+        let mut table = Self { rows_above: header.rows_above, ..Self::default() };
         for (column, values) in header.columns.into_iter().zip(values) {
-            table.push(0, column.name, numbers(values));
+            let numbers = numbers(values).map_err(|bad| column.not_number.unwrap_or(bad));
+            table.push(0, column.name, column.unit, numbers);
         }
         table
     }
@@ -76,24 +87,26 @@ impl Table {
         for (topic, columns) in topics.into_iter().map(|topic| topic.columns).enumerate() {
             for (name, series) in columns {
                 let numbers = match series {
-                    Series::Numbers(values) => {
-                        Some(values).filter(|values| values.iter().all(|value| value.is_finite()))
-                    }
-                    Series::Texts(_) => None,
+                    Series::Numbers(values) => finite(values),
+                    Series::Texts(cells) => Err(NotNumber::at(0, cells.first().map_or("", String::as_str))),
                 };
-                table.push(topic, name, numbers);
+                table.push(topic, name, None, numbers);
             }
         }
         table
     }
 
-    fn push(&mut self, topic: usize, name: String, numbers: Option<Vec<f64>>) {
+    fn push(&mut self, topic: usize, name: String, unit: Option<String>, numbers: Result<Vec<f64>, NotNumber>) {
         match numbers {
-            Some(numbers) => {
+            Ok(numbers) => {
                 self.numbers.push((name, numbers));
                 self.topics.push(topic);
+                self.units.push(unit);
             }
-            None => self.others.push(name),
+            Err(NotNumber { place, cell }) => {
+                self.others.push(name);
+                self.not_numbers.push(format!("{} in {place}", quoted(&cell)));
+            }
         }
     }
 
@@ -104,20 +117,42 @@ impl Table {
         Some((name, values))
     }
 
+    /// The unit of the column, by its name or by a row of units, as [`units::measure`] takes it.
+    pub(crate) fn unit(&self, name: &str) -> Option<String> {
+        let below = || {
+            let place = self.numbers.iter().position(|(other, _)| other == name)?;
+            self.units.get(place)?.clone().filter(|unit| units::measure(unit).is_some())
+        };
+        units::told(name).or_else(below)
+    }
+
+    /// Why the column of this name is none of numbers: its first cell that is none, and where it is.
+    pub(crate) fn not_number(&self, name: &str) -> Option<&str> {
+        let place = self.others.iter().position(|other| other == name)?;
+        self.not_numbers.get(place).map(String::as_str)
+    }
+
     /// Which topic the column is of.
     pub(crate) fn topic(&self, name: &str) -> Option<usize> {
         self.numbers.iter().position(|(other, _)| other == name).map(|place| self.topics[place])
     }
 }
 
-/// The cells as numbers; none where one is none.
-fn numbers(values: Values) -> Option<Vec<f64>> {
+/// The cells as numbers, or the first that is none.
+fn numbers(values: Values) -> Result<Vec<f64>, NotNumber> {
     match values {
-        Values::Real(values) => Some(values),
+        Values::Real(values) => finite(values),
         Values::Text(cells) => {
-            let number = |cell: &String| cell.trim().parse::<f64>().ok().filter(|number| number.is_finite());
-            cells.iter().map(number).collect()
+            let number = |(row, cell): (usize, &String)| finite_number(cell).ok_or_else(|| NotNumber::at(row, cell));
+            cells.iter().enumerate().map(number).collect()
         }
-        _ => None,
+        _ => Err(NotNumber::at(0, "")),
+    }
+}
+
+fn finite(values: Vec<f64>) -> Result<Vec<f64>, NotNumber> {
+    match values.iter().position(|value| !value.is_finite()) {
+        Some(row) => Err(NotNumber::at(row, &values[row].to_string())),
+        None => Ok(values),
     }
 }

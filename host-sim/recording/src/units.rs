@@ -61,6 +61,9 @@ const UNITS: &[Unit] = &[
     unit("rad", "rad", Quantity::Angle, 1.0),
     unit("deg", "deg", Quantity::Angle, PI / 180.0),
     unit("rev", "rev", Quantity::Angle, TAU),
+    // No name ends in capitals: these are as a person writes them, and `mn` is no `MN`.
+    unit("MNm", "MN m", Quantity::Torque, 1e6),
+    unit("MN", "MN", Quantity::Force, 1e6),
     unit("mnm", "mN m", Quantity::Torque, 1e-3),
     unit("knm", "kN m", Quantity::Torque, 1e3),
     unit("ncm", "N cm", Quantity::Torque, 1e-2),
@@ -68,6 +71,7 @@ const UNITS: &[Unit] = &[
     unit("mm", "mm", Quantity::Length, 1e-3),
     unit("cm", "cm", Quantity::Length, 1e-2),
     unit("um", "um", Quantity::Length, 1e-6),
+    unit("inch", "inch", Quantity::Length, 0.0254),
     unit("m", "m", Quantity::Length, 1.0),
     unit("kn", "kN", Quantity::Force, 1e3),
     unit("mn", "mN", Quantity::Force, 1e-3),
@@ -78,6 +82,9 @@ const UNITS: &[Unit] = &[
     unit("mv", "mV", Quantity::Voltage, 1e-3),
     unit("v", "V", Quantity::Voltage, 1.0),
 ];
+
+/// Suffixes of which the case of the first letter tells milli from mega; elsewhere one of the two is no unit of a log.
+const CASE_TELLS: &[&str] = &["mn", "mnm", "mv_m"];
 
 /// Other ways to write a unit, in small letters, without blanks and with `_` for `/`, and the suffix of the same unit.
 const SPELLINGS: &[(&str, &str)] = &[
@@ -94,7 +101,9 @@ const SPELLINGS: &[(&str, &str)] = &[
     ("turns", "rev"),
     ("turn", "rev"),
     ("rotations", "rev"),
-    ("n*m", "nm"),
+    // Not at the end of a name, where it is an input: `torque_in`.
+    ("in", "inch"),
+    ("inches", "inch"),
     ("n.m", "nm"),
     ("n-m", "nm"),
     ("rev_min", "rpm"),
@@ -113,15 +122,24 @@ pub(crate) struct Measure {
 
 /// The unit a person wrote: `deg`, `mN m`, `rad/s`, `counts(8192)`; none where it is not known.
 pub(crate) fn measure(text: &str) -> Option<Measure> {
-    let plain: String = text.to_lowercase().chars().filter(|c| !c.is_whitespace()).collect();
-    if let Some(inside) = plain.strip_prefix("counts(").and_then(|rest| rest.strip_suffix(')')) {
+    // A sign of multiplication means nothing, and the Greek letter is the sign of micro as well.
+    let is_between = |c: char| c.is_whitespace() || matches!(c, '*' | '\u{b7}' | '\u{22c5}');
+    let plain: String = text.chars().filter(|c| !is_between(*c)).collect();
+    let plain = plain.replace('\u{3bc}', "\u{b5}").replace('/', "_");
+    let lower = plain.to_lowercase();
+    if let Some(inside) = lower.strip_prefix("counts(").and_then(|rest| rest.strip_suffix(')')) {
         let number = inside.parse::<f64>().ok().filter(|number| *number > 0.0 && number.is_finite())?;
         return Some(Measure { quantity: Quantity::Counts, factor: number });
     }
-    let plain = plain.replace('/', "_");
-    let suffix = SPELLINGS.iter().find(|(other, _)| *other == plain).map_or(plain.as_str(), |(_, suffix)| suffix);
-    let unit = UNITS.iter().find(|unit| unit.suffix == suffix)?;
+    let suffix = SPELLINGS.iter().find(|(other, _)| *other == lower).map_or(lower.as_str(), |(_, suffix)| suffix);
+    let is_it = |unit: &&Unit| unit.suffix == plain || (unit.suffix == suffix && is_in_case(unit, &plain));
+    let unit = UNITS.iter().find(is_it)?;
     Some(Measure { quantity: unit.quantity, factor: unit.factor })
+}
+
+/// Whether a unit that was found whatever the case of `text` is in the case that tells it.
+fn is_in_case(unit: &Unit, text: &str) -> bool {
+    !CASE_TELLS.contains(&unit.suffix) || unit.written.chars().next() == text.chars().next()
 }
 
 /// Every unit of a quantity, for a message.
@@ -138,9 +156,8 @@ pub(crate) fn told(name: &str) -> Option<String> {
         measure(inside).map(|_| inside.to_owned())
     };
     let last = || {
-        let lower = name.to_lowercase();
         // A letter alone behind a blank or a line is as often a part of the name: `axis_c`.
-        parts(&lower).1.filter(|unit| unit.quantity != Quantity::Temperature).map(|unit| unit.written.to_owned())
+        ending(name).filter(|unit| unit.quantity != Quantity::Temperature).map(|unit| unit.written.to_owned())
     };
     bracketed('[', ']').or_else(|| bracketed('(', ')')).or_else(last)
 }
@@ -162,9 +179,21 @@ fn parts(name: &str) -> (&str, Option<&'static Unit>) {
     UNITS.iter().find_map(with).map_or((name, None), |(stem, unit)| (stem, Some(unit)))
 }
 
+/// The unit at the end of a name in any case; none where the case leaves milli or mega open.
+fn ending(name: &str) -> Option<&'static Unit> {
+    let unit = parts(&name.to_lowercase()).1?;
+    let end = name.get(name.len().checked_sub(unit.suffix.len())?..)?;
+    let is_mega = CASE_TELLS.contains(&unit.suffix) && unit.written.starts_with('m') && end.starts_with('M');
+    if !is_mega {
+        return Some(unit);
+    }
+    let in_capitals = !name.chars().any(char::is_lowercase);
+    UNITS.iter().find(|unit| unit.suffix == end && !in_capitals)
+}
+
 /// What the unit at the end of a name measures; none without one.
 pub(crate) fn quantity(name: &str) -> Option<Quantity> {
-    parts(&name.to_lowercase()).1.map(|unit| unit.quantity)
+    ending(name).map(|unit| unit.quantity)
 }
 
 /// The name that probably is meant to be `wanted`, by its stem, whatever its unit.
@@ -189,8 +218,7 @@ pub(crate) fn called_alike<'a>(wanted: &str, names: impl IntoIterator<Item = &'a
 
 /// What is to be done with `found` to make it `wanted`: a question where it is in the same unit, else how to convert it.
 pub(crate) fn hint(found: &str, wanted: &str) -> String {
-    let lower = found.to_lowercase();
-    let (quoted, (_, is), (_, must)) = (quoted(found), parts(&lower), parts(wanted));
+    let (quoted, is, (_, must)) = (quoted(found), ending(found), parts(wanted));
     match (is, must) {
         (_, None) => format!("is {quoted} meant to be it?"),
         (None, Some(must)) => format!("is {quoted} meant to be it? It must be in {}", must.written),
@@ -205,7 +233,7 @@ pub(crate) fn hint(found: &str, wanted: &str) -> String {
 
 /// The unit of the key `wanted` where `found` has another of the same quantity, and how to convert; else nothing.
 pub(crate) fn other_unit(found: &str, wanted: &str) -> String {
-    match (parts(&found.to_lowercase()).1, parts(wanted).1) {
+    match (ending(found), parts(wanted).1) {
         (Some(is), Some(must)) if is != must && is.quantity == must.quantity => {
             format!(", in {}: multiply the value by {}", must.written, factor(is, must))
         }
@@ -242,6 +270,56 @@ mod tests {
             let (found, unit_found) = parts(name);
             assert_eq!((found, unit_found.map(|unit| unit.written)), (stem, unit), "{name}");
         }
+    }
+
+    #[test]
+    fn milli_is_not_mega_and_other_signs_are_read() {
+        for (text, quantity, factor) in [
+            ("mN", Quantity::Force, 1e-3),
+            ("MN", Quantity::Force, 1e6),
+            ("mN m", Quantity::Torque, 1e-3),
+            ("mNm", Quantity::Torque, 1e-3),
+            ("MN m", Quantity::Torque, 1e6),
+            ("MNm", Quantity::Torque, 1e6),
+            ("MV/m", Quantity::Field, 1.0),
+            ("Nm", Quantity::Torque, 1.0),
+            ("NM", Quantity::Torque, 1.0),
+            ("N\u{b7}m", Quantity::Torque, 1.0),
+            ("N\u{22c5}m", Quantity::Torque, 1.0),
+            ("mN\u{b7}m", Quantity::Torque, 1e-3),
+            ("kN*m", Quantity::Torque, 1e3),
+            ("KN", Quantity::Force, 1e3),
+            ("\u{b5}s", Quantity::Time, 1e-6),
+            ("\u{3bc}s", Quantity::Time, 1e-6),
+            ("\u{3bc}m", Quantity::Length, 1e-6),
+            ("MM", Quantity::Length, 1e-3),
+            ("MS", Quantity::Time, 1e-3),
+            ("inch", Quantity::Length, 0.0254),
+            ("in", Quantity::Length, 0.0254),
+            ("m/s", Quantity::Speed, 1.0),
+        ] {
+            assert_eq!(measure(text), Some(Measure { quantity, factor }), "{text}");
+        }
+        for text in ["Mn", "MNM", "Mnm", "mV/m", "Counts(0)", "\u{b7}"] {
+            assert_eq!(measure(text), None, "{text}");
+        }
+        for (name, unit) in [
+            ("force_mn", Some("mN")),
+            ("Force_mN", Some("mN")),
+            ("Force_MN", Some("MN")),
+            ("FORCE_MN", None),
+            ("TIME_MS", Some("ms")),
+            ("field_mv_m", Some("MV/m")),
+            ("Force [MN]", Some("MN")),
+            ("pos (in)", Some("in")),
+            ("torque_in", None),
+        ] {
+            assert_eq!(told(name).as_deref(), unit, "{name}");
+        }
+        assert_eq!(
+            hint("Force_MN", "force_cmd_n"),
+            "`Force_MN` is in MN: multiply its values by 1000000 and call it `force_cmd_n`, in N"
+        );
     }
 
     #[test]

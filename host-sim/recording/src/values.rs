@@ -106,6 +106,11 @@ impl Cell {
     }
 }
 
+/// The number that a cell of a text file holds; none where it holds no finite one.
+pub(crate) fn finite_number(cell: &str) -> Option<f64> {
+    cell.trim().parse::<f64>().ok().filter(|number| number.is_finite())
+}
+
 /// The number, if it is one a measurement can be.
 fn finite(value: f64) -> Result<f64, String> {
     if value.is_finite() { Ok(value) } else { Err(format!("{value} is not a finite number")) }

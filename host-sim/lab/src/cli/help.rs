@@ -8,8 +8,8 @@ use diagnosis::effects::VOCABULARY;
 
 use super::{Cli, Overwrite};
 use crate::read::AxisKind;
-use crate::read::nearest;
 use crate::read::vocabulary::{self, Occurs};
+use crate::read::{FORMATS, nearest};
 use crate::{Error, output};
 
 /// Words that `help` explains beside the commands.
@@ -50,7 +50,7 @@ pub fn help(args: &HelpArgs) -> Result<(), Error> {
     let Some(topic) = args.topic.as_deref() else { return output::print(&cli.render_long_help().to_string()) };
     match topic {
         "effects" => return output::print(&effects()),
-        "formats" => return output::print(&format!("Logs that are read: {}.\n", crate::read::READABLE)),
+        "formats" => return output::print(&formats()),
         _ => {}
     }
     if let Some(effect) = VOCABULARY.iter().find(|effect| effect.id == topic) {
@@ -65,6 +65,13 @@ pub fn help(args: &HelpArgs) -> Result<(), Error> {
     let known = TOPICS.iter().copied().chain(VOCABULARY.iter().map(|effect| effect.id)).chain(commands);
     let near = nearest(topic, known).map_or_else(String::new, |near| format!("; is `{near}` meant?"));
     Err(Error::Usage(format!("there is no command and no topic `{topic}`{near}")))
+}
+
+/// The logs that are read.
+fn formats() -> String {
+    let mut text = "Logs that are read, each also packed as .gz, and what becomes a column.\n\n".to_owned();
+    FORMATS.iter().for_each(|(name, columns)| text += &format!("{name}\n    {columns}\n"));
+    text
 }
 
 /// The vocabulary.

@@ -12,6 +12,12 @@ fn lab(folder: &Path, words: &[&str]) -> String {
     String::from_utf8(output.stdout).unwrap()
 }
 
+fn refused(folder: &Path, words: &[&str]) -> String {
+    let output = Command::cargo_bin("servo-lab").unwrap().current_dir(folder).args(words).output().unwrap();
+    assert_eq!(output.status.code(), Some(2), "{words:?}");
+    String::from_utf8(output.stderr).unwrap()
+}
+
 const PERIOD_S: f64 = 0.002;
 const ROWS: usize = 5000;
 
@@ -164,6 +170,59 @@ fn a_log_that_no_diagnosis_takes_is_told_so_at_once() {
         printed.ends_with("next: a.csv: 11.9 Hz is too slow for any window of a motion: log at 20 Hz or more\n"),
         "{printed}"
     );
+}
+
+#[test]
+fn a_period_that_no_machine_file_has_is_told_as_it_is() {
+    let folder = tempfile::tempdir().unwrap();
+    // Microseconds, taken for milliseconds.
+    let mut text = String::from("ts,pos,i\n");
+    for row in 0..ROWS {
+        let now = motion(0.012, PERIOD_S * row as f64);
+        let _ = writeln!(text, "{},{:.4},{:.5}", 2000 * row, 1e3 * now[0], now[2]);
+    }
+    fs::write(folder.path().join("lin.csv"), text).unwrap();
+    let words = ["init", "lin.csv", "--map", "time=ts:ms", "--map", "position=pos:mm", "--map", "torque=i:A*1"];
+    let message = refused(folder.path(), &words);
+    assert!(
+        message.contains("rows are 2 s apart, the median of 4999 steps") && message.contains("is at most 1 s"),
+        "{message}"
+    );
+    assert!(!folder.path().join("machine.toml").exists());
+    let message = refused(folder.path(), &["init", "lin.csv", "--map", "position=pso:mm"]);
+    assert!(message.contains("--map position=pso: the column is not in the log; is `pos` meant?"), "{message}");
+}
+
+#[test]
+fn a_log_that_is_too_short_is_told_so_at_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = log("position_rad,torque_nm", 1.0, |now, _| vec![stepped(now[0]), torque(now)]);
+    let short: Vec<&str> = text.lines().take(61).collect();
+    fs::write(folder.path().join("short.csv"), short.join("\n") + "\n").unwrap();
+    let printed = lab(folder.path(), &["init", "short.csv"]);
+    assert!(
+        printed.contains("next: short.csv: 0.118 s is too short, at least 0.8 s is needed; record longer"),
+        "{printed}"
+    );
+}
+
+#[test]
+fn an_export_with_a_title_and_units_goes_all_the_way() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = log("pos,torque", 1.5, |now, _| vec![stepped(now[0]).to_degrees(), torque(now)]);
+    let body = text.split_once('\n').unwrap().1.replace(',', ";").replace('.', ",").replace('\n', ";\r\n");
+    let head = "Bench 3\r\nOperator;Meyer\r\n\r\ntime;pos;torque;\r\ns;\u{b0};N\u{b7}m;\r\n";
+    let bytes: Vec<u8> = (head.to_owned() + &body).chars().map(|letter| u32::from(letter) as u8).collect();
+    fs::write(folder.path().join("export.csv"), bytes).unwrap();
+    let printed = lab(folder.path(), &["init", "export.csv"]);
+    assert!(printed.contains("note: export.csv: 2 rows above the header are left out"), "{printed}");
+    assert!(printed.contains("`pos` in \u{b0}; by its name; unit: by the row below the header"), "{printed}");
+    assert!(printed.ends_with("servo-lab diagnose --machine machine.toml export.csv\n"), "{printed}");
+    let looked = lab(folder.path(), &["doctor", "--machine", "machine.toml", "export.csv"]);
+    assert!(!looked.contains("BAD"), "{looked}");
+    lab(folder.path(), &["convert", "export.csv", "--machine", "machine.toml", "-o", "out.csv"]);
+    let converted = fs::read_to_string(folder.path().join("out.csv")).unwrap();
+    assert_eq!(converted.lines().count(), ROWS + 1);
 }
 
 #[test]

@@ -190,6 +190,11 @@ fn help_names_effects_and_what_is_near() {
         effects.contains("coulomb_friction\n    Dry friction") && effects.contains("coulomb_nm (coulomb_n)"),
         "{effects}"
     );
+    let formats = lab(folder.path(), &["help", "formats"]);
+    assert!(
+        formats.contains("\nMCAP (JSON, Protobuf, joint states of ROS 2 and Foxglove)\n    of messages"),
+        "{formats}"
+    );
     assert!(refused(folder.path(), &["help", "efects"]).contains("is `effects` meant?"));
     let near = refused(folder.path(), &["diagnose", "--machine", "machine.toml", "--only", "colomb_friction", "a.csv"]);
     assert!(near.contains("the nearest is `coulomb_friction`"), "{near}");

@@ -1,7 +1,7 @@
 //! What the names of columns tell.
 
 use crate::units;
-use crate::{AxisKind, Column};
+use crate::{AxisKind, Column, Table};
 
 /// Words of names, in small letters, by what they mean; the likeliest first. A stamp is of the machine, other times may be
 /// when it was logged.
@@ -16,8 +16,8 @@ const WANTED: &[&str] =
 /// and an effort one that was measured, not commanded.
 const MEASURED: &[&str] = &["meas", "measured", "act", "actual", "fb", "feedback", "est", "estimated"];
 
-/// How well a name fits a column; none where it does not.
-pub(super) fn fit(name: &str, column: Column, axis: AxisKind) -> Option<u32> {
+/// How well a column of a log fits one of a recording by its name and unit; none where it does not.
+pub(super) fn fit(table: &Table, name: &str, column: Column, axis: AxisKind) -> Option<u32> {
     let words = words(telling(name));
     let whole = self::words(name);
     // That a value is wanted or measured is told by a topic as well.
@@ -26,7 +26,7 @@ pub(super) fn fit(name: &str, column: Column, axis: AxisKind) -> Option<u32> {
     let rank = |list: &[&str]| {
         list.iter().position(|known| words.iter().any(|word| word == known)).map(|place| (list.len() - place) as u32)
     };
-    let quantity = units::told(name).and_then(|unit| units::measure(&unit)).map(|measure| measure.quantity);
+    let quantity = table.unit(name).and_then(|unit| units::measure(&unit)).map(|measure| measure.quantity);
     let by_word = match column {
         Column::Time => rank(TIME).filter(|_| !is(POSITION) && !is(EFFORT)),
         Column::Position => rank(POSITION).filter(|_| !any(WANTED) && !is(VELOCITY)),

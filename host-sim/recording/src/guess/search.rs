@@ -46,7 +46,9 @@ impl<'a> Search<'a> {
     fn fitting(&self, column: Column) -> Vec<Candidate<'a>> {
         let scored = |candidate: Candidate<'a>| {
             let rising = column != Column::Time || rises(candidate.values);
-            fit(candidate.name, column, self.axis).filter(|_| rising).map(|score| Candidate { score, ..candidate })
+            fit(self.table, candidate.name, column, self.axis)
+                .filter(|_| rising)
+                .map(|score| Candidate { score, ..candidate })
         };
         let mut fitting: Vec<_> = self.free().filter_map(scored).collect();
         fitting.sort_by_key(|candidate| std::cmp::Reverse((candidate.beside, candidate.score)));
@@ -63,21 +65,22 @@ impl<'a> Search<'a> {
             "a measured one, there is no commanded one".clone_into(&mut because);
         }
         if fitting.is_empty() && column == Column::Time {
-            if let Some(broken) = broken_time(table) {
+            if let Some(broken) = broken_time(table).or_else(|| not_numbers(table, column, axis)) {
                 return Err(broken);
             }
             fitting = self.free().filter(|candidate| candidate.beside && rises(candidate.values)).take(1).collect();
             "the first that always rises".clone_into(&mut because);
         }
         let Some(Candidate { beside, score, name, values }) = fitting.first() else {
-            return if Column::REQUIRED.contains(&column) { Err(missing(table, column, axis)) } else { Ok(None) };
+            let missing = || not_numbers(table, column, axis).unwrap_or_else(|| missing(table, column, axis));
+            return if Column::REQUIRED.contains(&column) { Err(missing()) } else { Ok(None) };
         };
         let alike = |other: &&Candidate<'_>| (other.beside, other.score) == (*beside, *score);
         let rivals: Vec<_> = fitting[1..].iter().filter(alike).map(|other| quoted(other.name)).collect();
         if !rivals.is_empty() {
             because += &format!(", as well as {}", rivals.join(", "));
         }
-        let (unit, unit_because, unit_unsure) = unit_of(column, axis, name, values);
+        let (unit, unit_because, unit_unsure) = unit_of(table, column, axis, (name, values));
         let needs_scale = units::measure(&unit)
             .is_some_and(|measure| matches!(measure.quantity, Quantity::Current | Quantity::Voltage));
         let own = column.unit(axis);
@@ -98,15 +101,36 @@ fn rises(values: &[f64]) -> bool {
 /// What is wrong with the column that is the time by its unit: another that rises in its place, as a counter of rows does, would
 /// mislead.
 fn broken_time(table: &Table) -> Option<String> {
-    let is_time = |name: &str| fit(name, Column::Time, AxisKind::Rotary).is_some_and(|score| score > 100);
+    let is_time = |name: &str| fit(table, name, Column::Time, AxisKind::Rotary).is_some_and(|score| score > 100);
+    let (name, values) = table.numbers.iter().find(|(name, _)| is_time(name))?;
+    let row = values.windows(2).position(|pair| pair[1] <= pair[0])?;
+    let (from, to, name) = (values[row], values[row + 1], quoted(name));
     let advice = "mend the log, or give another column as --map \"time=NAME:s\"";
-    if let Some((name, values)) = table.numbers.iter().find(|(name, _)| is_time(name)) {
-        let row = values.windows(2).position(|pair| pair[1] <= pair[0])?;
-        let (from, to, name) = (values[row], values[row + 1], quoted(name));
-        return Some(format!("{name} does not rise from {from} to {to}, rows {} and {}; {advice}", row + 1, row + 2));
+    Some(format!("{name} does not rise from {from} to {to}, rows {} and {}; {advice}", row + 1, row + 2))
+}
+
+/// What is wrong with the column that is the wanted one by its name, but does not hold numbers alone.
+fn not_numbers(table: &Table, column: Column, axis: AxisKind) -> Option<String> {
+    let score = |name: &&String| fit(table, name, column, axis);
+    let name = table.others.iter().filter(|name| score(name).is_some()).max_by_key(score)?;
+    let (key, unit, cell) = (column.key(axis), column.unit(axis), table.not_number(name)?);
+    let dates = if column == Column::Time { dates(cell) } else { "" };
+    Some(format!(
+        "{} holds cells that are no finite numbers, the first {cell}, and is `{key}` by its name{dates}; mend the log, or give \
+         another column as --map \"{key}=NAME:{unit}\"",
+        quoted(name)
+    ))
+}
+
+/// What to do about a time that is written as a date or a clock; nothing where it is not.
+pub(super) fn dates(cell: &str) -> &'static str {
+    let digits = cell.bytes().filter(u8::is_ascii_digit).count();
+    if digits >= 4 && cell.matches([':', '-', '/']).count() >= 2 {
+        "; dates are not read: add a column of seconds, in Python: t = pandas.to_datetime(log['NAME']); \
+         log['t_s'] = (t - t[0]).dt.total_seconds()"
+    } else {
+        ""
     }
-    let name = table.others.iter().find(|name| is_time(name))?;
-    Some(format!("{} holds cells that are no finite numbers; {advice}", quoted(name)))
 }
 
 fn missing(table: &Table, column: Column, axis: AxisKind) -> String {

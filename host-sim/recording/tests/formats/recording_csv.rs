@@ -124,11 +124,13 @@ fn bad_words_and_whole_numbers_are_refused() {
 fn files_without_a_recording_are_refused() {
     assert_eq!(read("").unwrap_err(), "a.csv: the file is empty");
     assert_eq!(read("\n\n").unwrap_err(), "a.csv: the file is empty");
-    assert_eq!(read(HEADER).unwrap_err(), "a.csv: the file holds a header but no rows");
+    assert_eq!(read(HEADER).unwrap_err(), "a.csv:1: the file holds a header but no rows");
     assert!(read("t_s,position_rad\n").unwrap_err().starts_with("a.csv:1: torque_cmd_nm: required column is missing"));
     assert!(read_as("a.csv", b"\xff\xfet\0_\0", None).unwrap_err().contains("UTF-16 text"));
     let message = read_as("a.csv", &[HEADER.as_bytes(), b"0,\xff,1\n"].concat(), None).unwrap_err();
-    assert!(message.starts_with("a.csv:2: column 2:") && message.contains("not UTF-8"), "{message}");
+    assert_eq!(message, "a.csv:2: position_rad: `ÿ` is not a number", "no UTF-8 is read as text of Windows");
+    let binary = read_as("a.csv", b"\x01\xff\x80\x02binary", None).unwrap_err();
+    assert!(binary.starts_with("a.csv: is not of a known format; can be read: CSV"), "{binary}");
     assert_eq!(read_as("a.txt", b"", None).unwrap_err(), "a.txt: the file is empty");
     let message = Recording::read(&PathBuf::from("nowhere/a.csv"), None).unwrap_err().to_string();
     assert!(message.starts_with("nowhere/a.csv: cannot open: "), "{message}");

@@ -8,6 +8,7 @@ use super::Overwrite;
 use crate::first_model::{FirstModel, first_model};
 use crate::output::formats;
 use crate::precheck::windows::median_period_s;
+use crate::precheck::wrong_rate;
 use crate::read::{
     Axis, AxisKind, Cells, Column, Given, Guess, Machine, MapFlag, Mapping, Recording, Table, guess, position_step,
     wrap,
@@ -43,6 +44,9 @@ fn axis_kind(text: &str) -> Result<AxisKind, String> {
     kind.ok_or_else(|| "must be rotary or linear".to_owned())
 }
 
+/// The longest `sample_period_s` that a machine file may have, s; a longer one would not read back.
+const LONGEST_PERIOD_S: f64 = 1.0;
+
 /// Everything that is known of the machine from its logs.
 struct Findings<'a> {
     logs: &'a [PathBuf],
@@ -51,6 +55,8 @@ struct Findings<'a> {
     /// What the columns are; empty where the logs have those of the format.
     mapping: Mapping,
     recordings: Vec<Recording>,
+    /// Rows above the header of the first log.
+    rows_above: usize,
     model: Option<FirstModel>,
 }
 
@@ -66,10 +72,10 @@ pub fn run(args: &Args) -> Result<(), Error> {
     let findings = find(args)?;
     let machine = text::machine_file(&findings);
     // What is written reads back, or is not written.
-    Machine::from_bytes(&args.out, machine.as_bytes())?;
+    let read = Machine::from_bytes(&args.out, machine.as_bytes())?;
     output::text(&mut outputs, out, &formats::toml(&machine))?;
     outputs.finish()?;
-    output::print(&text::summary(&findings, outputs.file(out)))
+    output::print(&text::summary(&findings, &read, outputs.file(out)))
 }
 
 fn find(args: &Args) -> Result<Findings<'_>, Error> {
@@ -88,7 +94,7 @@ fn find(args: &Args) -> Result<Findings<'_>, Error> {
         mapping = mapping_of(&guesses, kind).map_err(usage)?;
         recordings = read(&args.logs, &axis, &mapping)?;
     }
-    axis.sample_period_s = recordings.first().map_or(1e-3, |recording| median_period_s(&recording.t_s)).min(1.0);
+    axis.sample_period_s = period_s(&recordings).map_err(usage)?;
     let steps = recordings.iter().filter_map(|recording| position_step(&recording.position));
     axis.resolution = steps.reduce(f64::min).unwrap_or(0.0);
     let model = first_model(&axis, &recordings);
@@ -102,7 +108,25 @@ fn find(args: &Args) -> Result<Findings<'_>, Error> {
         recordings = read(&args.logs, &axis, &mapping)?;
     }
     let model = first_model(&axis, &recordings);
-    Ok(Findings { logs: &args.logs, axis, guesses, mapping, recordings, model })
+    Ok(Findings { logs: &args.logs, axis, guesses, mapping, recordings, rows_above: table.rows_above, model })
+}
+
+/// The period of the first log, s.
+///
+/// # Errors
+/// One that no machine file may have, as a sentence with what it is.
+fn period_s(recordings: &[Recording]) -> Result<f64, String> {
+    let Some(first) = recordings.first() else { return Ok(1e-3) };
+    let period_s = median_period_s(&first.t_s);
+    if period_s <= LONGEST_PERIOD_S {
+        return Ok(period_s);
+    }
+    Err(format!(
+        "rows are {period_s} s apart, the median of {} steps, and `sample_period_s` of a machine file is at most \
+         {LONGEST_PERIOD_S} s; is the time in another unit, as --map \"time=NAME:ms\" or :us says? If not: {}",
+        first.rows() - 1,
+        wrong_rate(period_s).unwrap_or_default()
+    ))
 }
 
 /// Whether a flag gives the column, which is then left as it is.

@@ -8,8 +8,8 @@ use crate::cli::effort_units::EffortUnits;
 use crate::cli::velocity_check::wrong_velocity;
 use crate::first_model::{FirstModel, Value};
 use crate::precheck::windows::median_period_s;
-use crate::precheck::wrong_rate;
-use crate::read::AxisKind;
+use crate::precheck::{Purpose, Severity, check, wrong_rate};
+use crate::read::{AxisKind, Machine};
 use crate::report::Units;
 
 /// An explained share of the effort below which the first model is not to be trusted: half of it is something else.
@@ -143,7 +143,7 @@ fn inertia_line(model: &FirstModel, unit: &str) -> Line {
 }
 
 /// What is printed: every guess with why and how sure, and what to do next.
-pub(super) fn summary(findings: &Findings<'_>, file: &Path) -> String {
+pub(super) fn summary(findings: &Findings<'_>, machine: &Machine, file: &Path) -> String {
     let mut text = String::from("columns\n");
     let kind = findings.axis.kind;
     for guess in &findings.guesses {
@@ -171,22 +171,32 @@ pub(super) fn summary(findings: &Findings<'_>, file: &Path) -> String {
         let own = Units::of(kind).effort;
         let _ = writeln!(text, "note: how many {own} one {effort} makes is not known: all values are in {effort}");
     }
+    if let (count @ 1.., Some(first)) = (findings.rows_above, findings.recordings.first()) {
+        let _ = writeln!(text, "note: {}: {count} rows above the header are left out", first.name);
+    }
     for recording in &findings.recordings {
         text.extend(recording.notes().iter().map(|note| format!("note: {note}\n")));
         text.extend(wrong_velocity(recording).map(|wrong| format!("note: {}: {wrong}\n", recording.name)));
     }
-    text + &format!("wrote {}\n{}\n", file.display(), next(findings, file))
+    text + &format!("wrote {}\n{}\n", file.display(), next(findings, machine, file))
 }
 
-/// What to do with the file; where a log is of no use to a diagnosis, with the log.
-fn next(findings: &Findings<'_>, file: &Path) -> String {
+/// What to do with the file; where the logs are of no use to a diagnosis, with them.
+fn next(findings: &Findings<'_>, machine: &Machine, file: &Path) -> String {
     let slow = findings.recordings.iter().find_map(|recording| {
         let period_s = median_period_s(&recording.t_s);
         Some(format!("{}: {:.1} Hz is {}", recording.name, 1.0 / period_s, wrong_rate(period_s)?))
     });
-    let log = findings.logs.first().map(|log| log.display().to_string()).unwrap_or_default();
-    let diagnosis = || format!("look at it, then servo-lab diagnose --machine {} {log}", file.display());
-    format!("next: {}", slow.unwrap_or_else(diagnosis))
+    let refused = || {
+        let found = check(machine, &findings.recordings, &[], Purpose::Diagnose);
+        let error = found.into_iter().find(|finding| finding.severity == Severity::Error)?;
+        Some(format!("{error}, before servo-lab diagnose can take it"))
+    };
+    let diagnosis = || {
+        let logs: Vec<String> = findings.logs.iter().map(|log| log.display().to_string()).collect();
+        format!("look at it, then servo-lab diagnose --machine {} {}", file.display(), logs.join(" "))
+    };
+    format!("next: {}", slow.or_else(refused).unwrap_or_else(diagnosis))
 }
 
 /// Gravity, and how much of the effort the model explains.
