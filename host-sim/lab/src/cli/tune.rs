@@ -7,6 +7,7 @@ use std::path::PathBuf;
 use super::Overwrite;
 use super::machine::MachineArgs;
 use crate::output::{Provenance, formats};
+use crate::progress::Course;
 use crate::read::Machine;
 use crate::stability::NormalisedGains;
 use crate::tune::beside::beside;
@@ -101,9 +102,13 @@ impl Args {
     /// Flags or a machine that cannot be followed, demands that no gains keep.
     pub fn tune(&self) -> Result<Tuned, Error> {
         let task = self.task()?;
+        // How long all of it takes is known of no stage alone.
+        let course = Course::begin("tune");
+        course.enter("gains");
         let tuning = tune(&task)?;
         let read = self.machine.machine.as_deref().map(Machine::read).transpose()?;
         let machine = machine(&task, &tuning, read);
+        course.enter("the control beyond them");
         let beyond = beside(&task)?.map_or_else(String::new, |beside| format!("\n{}", beside.text(&task, &tuning)));
         let summary = summary(&task, &tuning) + &beyond;
         Ok(Tuned { tuning, machine, summary })
