@@ -16,7 +16,7 @@ use crate::{Error, output};
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// Folder for the figures and the table; made if it is not there.
-    #[arg(long, value_name = "DIR", default_value = "out/paper")]
+    #[arg(long, short, value_name = "DIR", default_value = "out/paper")]
     out: PathBuf,
     /// Writes table and figures as one page that opens in a browser.
     #[arg(long, value_name = "FILE")]

@@ -70,7 +70,7 @@ pub struct Args {
     #[arg(long, value_name = "DIR", default_value = "../shared/data")]
     data: PathBuf,
     /// Folder of seals, outcomes and, with --keep, recordings. Cases with an outcome there are not run again.
-    #[arg(long, value_name = "DIR", default_value = "out/prove")]
+    #[arg(long, short, value_name = "DIR", default_value = "out/prove")]
     out: PathBuf,
     /// The program that diagnoses; this one by default.
     #[arg(long, value_name = "FILE")]

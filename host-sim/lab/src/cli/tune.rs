@@ -49,7 +49,7 @@ pub struct Args {
     #[arg(long, default_value_t = 2.0)]
     overshoot_percent: f64,
     /// Folder for the picture and the machine file; made if it is not there.
-    #[arg(long, value_name = "DIR", default_value = "out/tune")]
+    #[arg(long, short, value_name = "DIR", default_value = "out/tune")]
     out: PathBuf,
     /// Writes what was found as one page that opens in a browser.
     #[arg(long, value_name = "FILE")]
