@@ -1,10 +1,11 @@
-//! Progress of work in stages, of which often only a bound is known: one line, on a terminal only, from its first moment.
+//! Progress of work in stages, of which often only a bound is known: one line, drawn beside the work.
 
-use std::fmt::Write;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::sync::{Arc, Mutex, PoisonError};
+use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use progress::{End, Line, Look, Place};
 
 /// Time between two looks: a line that moves without flickering.
@@ -19,6 +20,9 @@ const MINUTES_FROM_S: f64 = 120.0;
 pub(crate) struct StageLine {
     bar: ProgressBar,
     stage: Arc<Mutex<Option<Stage>>>,
+    /// Wakes what draws; it ends when this is gone.
+    wake: Option<Sender<()>>,
+    drawing: Option<JoinHandle<()>>,
 }
 
 /// The stage that is shown.
@@ -36,22 +40,58 @@ impl std::fmt::Debug for Stage {
 }
 
 impl StageLine {
-    /// The line of `what`, which begins now.
-    pub(crate) fn new(what: &str, target: ProgressDrawTarget) -> Self {
-        let stage = Arc::new(Mutex::new(None::<Stage>));
-        let (begun, shown, what) = (Instant::now(), Arc::clone(&stage), what.to_owned());
-        let line = move |_: &ProgressState, out: &mut dyn Write| {
-            let shown = shown.lock().unwrap_or_else(PoisonError::into_inner);
-            let how_far = shown.as_ref().map_or_else(String::new, |stage| stage.text(begun.elapsed()));
-            // A line that cannot be written is one that nobody reads.
-            let _ = write!(out, "{what}{how_far}");
-        };
-        let bar = ProgressBar::with_draw_target(None, target);
-        if let Ok(style) = ProgressStyle::with_template("{spinner} {line}") {
-            bar.set_style(style.with_key("line", line));
+    /// The line of `what`, which begins now and shows on `target` once it has taken longer than `quiet`.
+    pub(crate) fn new(what: &str, quiet: Duration, target: fn() -> ProgressDrawTarget) -> Self {
+        let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::hidden());
+        // Cut to the width of the terminal: a line that wraps is not wiped whole.
+        if let Ok(style) = ProgressStyle::with_template("{spinner} {wide_msg}") {
+            bar.set_style(style);
         }
-        bar.enable_steady_tick(TICK);
-        Self { bar, stage }
+        let (stage, (wake, woken)) = (Arc::new(Mutex::new(None)), channel());
+        let drawn = Drawn { bar: bar.clone(), stage: Arc::clone(&stage), what: what.to_owned(), begun: Instant::now() };
+        let drawing = thread::spawn(move || {
+            if !ended(&woken, quiet) {
+                drawn.bar.set_draw_target(target());
+                drawn.until_it_ends(&woken);
+            }
+        });
+        Self { bar, stage, wake: Some(wake), drawing: Some(drawing) }
+    }
+}
+
+/// Whether the work ends within that time.
+fn ended(woken: &Receiver<()>, within: Duration) -> bool {
+    let until = Instant::now() + within;
+    loop {
+        match woken.recv_timeout(until.saturating_duration_since(Instant::now())) {
+            Ok(()) => {}
+            Err(why) => return why == RecvTimeoutError::Disconnected,
+        }
+    }
+}
+
+/// What draws the line, beside the work.
+struct Drawn {
+    bar: ProgressBar,
+    stage: Arc<Mutex<Option<Stage>>>,
+    what: String,
+    begun: Instant,
+}
+
+impl Drawn {
+    /// Draws again and again, at once where a stage begins.
+    fn until_it_ends(&self, woken: &Receiver<()>) {
+        loop {
+            let text = {
+                let stage = self.stage.lock().unwrap_or_else(PoisonError::into_inner);
+                stage.as_ref().map_or_else(String::new, |stage| stage.text(self.begun.elapsed()))
+            };
+            self.bar.set_message(format!("{}{text}", self.what));
+            self.bar.tick();
+            if woken.recv_timeout(TICK) == Err(RecvTimeoutError::Disconnected) {
+                return;
+            }
+        }
     }
 }
 
@@ -59,12 +99,15 @@ impl Line for StageLine {
     fn enter(&self, look: Look) {
         let from = look().done;
         *self.stage.lock().unwrap_or_else(PoisonError::into_inner) = Some(Stage { look, since: Instant::now(), from });
-        self.bar.tick();
+        // Nobody is there to be woken only where drawing has failed.
+        let _ = self.wake.as_ref().map(|wake| wake.send(()));
     }
 }
 
 impl Drop for StageLine {
     fn drop(&mut self) {
+        drop(self.wake.take());
+        let _ = self.drawing.take().map(JoinHandle::join);
         self.bar.finish_and_clear();
     }
 }
@@ -97,7 +140,8 @@ fn text(place: &Place, from: u64, in_stage_s: f64, gone_s: u64) -> String {
         }
         End::Exactly(steps) => {
             let left = left_of(steps).map_or_else(String::new, |left| format!(", about {left} left"));
-            return format!(": {}, {} of {steps}, {gone_s} s gone{left}", place.stage, place.done);
+            let stage = if place.stage.is_empty() { String::new() } else { format!("{}, ", place.stage) };
+            return format!(": {stage}{} of {steps}, {gone_s} s gone{left}", place.done);
         }
     };
     format!(": {}, {gone_s} s gone{left}", place.stage)
@@ -124,5 +168,7 @@ mod tests {
         assert_eq!(text(&place(401, at_most), 0, 10.0, 12), ": search, 12 s gone, about to come to the verdict");
         assert_eq!(text(&place(3, End::Exactly(9)), 0, 6.0, 8), ": search, 3 of 9, 8 s gone, about 12 s left");
         assert_eq!(text(&place(0, End::Exactly(9)), 0, 6.0, 8), ": search, 0 of 9, 8 s gone");
+        let whole = Place { stage: "", ..place(3, End::Exactly(9)) };
+        assert_eq!(text(&whole, 0, 6.0, 6), ": 3 of 9, 6 s gone, about 12 s left");
     }
 }

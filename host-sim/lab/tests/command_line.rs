@@ -73,6 +73,23 @@ fn help_lists_every_command_and_flag() {
     }
 }
 
+/// That the help of a command and of each below it has an example that names it, and the global flags; how many there are.
+fn has_an_example(folder: &Path, path: &str) -> usize {
+    let help = printed(folder, &format!("{path} --help"));
+    let example = help.split("Example:\n").nth(1).unwrap_or_default();
+    let named = |line: &&str| {
+        let mut words = line.split_whitespace();
+        line.starts_with("  servo-lab ") && path.split(' ').all(|name| words.any(|word| word == name))
+    };
+    assert!(example.lines().any(|line| named(&line)), "{path}: {help}");
+    assert!(help.contains("--quiet") && help.contains("--verbose"), "{path}");
+    assert!(printed(folder, &format!("help {path}")).ends_with(&format!("Example:\n{example}")), "{path}");
+    let below = help.split("Commands:\n").nth(1).unwrap_or_default().split("\n\n").next().unwrap();
+    let names = below.lines().filter_map(|line| line.strip_prefix("  ")?.split(' ').next());
+    let names = names.filter(|name| !name.is_empty());
+    1 + names.map(|name| has_an_example(folder, &format!("{path} {name}"))).sum::<usize>()
+}
+
 #[test]
 fn every_command_has_an_example_and_the_global_flags() {
     let folder = tempfile::tempdir().unwrap();
@@ -80,11 +97,9 @@ fn every_command_has_an_example_and_the_global_flags() {
     let commands = help.split("Commands:\n").nth(1).unwrap().split("\n\n").next().unwrap();
     let names: Vec<&str> = commands.lines().filter_map(|line| line.split_whitespace().next()).collect();
     assert!(names.len() > 18, "{names:?}");
+    assert!(has_an_example(folder.path(), "link") > 20, "actions of link");
     for name in names {
-        let help = printed(folder.path(), &format!("{name} --help"));
-        let example = help.split("Example:\n").nth(1).unwrap_or_default();
-        assert!(example.contains(&format!("  servo-lab {name}")), "{name}: {help}");
-        assert!(help.contains("--quiet") && help.contains("--verbose"), "{name}");
+        has_an_example(folder.path(), name);
     }
     let took = lab(folder.path(), "simulate --duration-s 0.1 --verbose");
     assert!(String::from_utf8_lossy(&took.stderr).contains("took "), "{took:?}");
@@ -106,6 +121,52 @@ fn frequencies_and_angles_have_the_same_names_everywhere() {
     ] {
         let help = run(&format!("link --port none run {shape} --help"));
         assert!(names.iter().all(|name| help.contains(name)), "{shape}: {help}");
+    }
+}
+
+/// The names that flags had before are not listed, and do what they did.
+#[test]
+fn flags_have_one_name_in_every_help_and_keep_the_earlier_ones() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |line: &str| printed(folder.path(), line);
+    for (line, earlier) in [
+        (
+            "stability --drive-delay-ms 4 --fluid lag --lag-ms 3",
+            "stability --delay-ms 4 --model lag --field-delay-ms 3",
+        ),
+        ("stability --dead-time-ms 4", "stability --model dead-time --field-delay-ms 4"),
+        ("stability --fluid dead-time --dead-time-ms 4", "stability --dead-time-ms 4"),
+    ] {
+        assert_eq!(run(line), run(earlier), "{line}");
+    }
+    for (command, names, earlier) in [
+        (
+            "stability",
+            vec!["--drive-delay-ms", "--dead-time-ms", "--lag-ms", "--fluid"],
+            vec![" --delay-ms", "--model"],
+        ),
+        ("record", vec!["--duration-s"], vec!["--for-s"]),
+        ("link enable", vec!["--duration-s"], vec!["--for-s"]),
+        ("link reference", vec!["--speed-rad-s", "--acceleration-rad-s2"], vec!["--speed ", "--accel ", "--for-s"]),
+    ] {
+        let help = run(&format!("help {command}"));
+        assert!(names.iter().all(|name| help.contains(name)), "{command}: {help}");
+        assert!(!earlier.iter().any(|name| help.contains(name)), "{command}: {help}");
+    }
+    for command in ["decode", "tune", "paper", "guide", "demo", "man", "prove", "commission", "link identify"] {
+        assert!(run(&format!("help {command}")).contains("-o, --out"), "{command}");
+    }
+}
+
+#[test]
+fn every_command_and_every_action_has_a_man_page() {
+    let folder = tempfile::tempdir().unwrap();
+    printed(folder.path(), "man -o man");
+    for (page, says) in
+        [("servo-lab", "servo\\-lab"), ("servo-lab-link-run", "link run"), ("servo-lab-link-run-chirp", "sine")]
+    {
+        let text = fs::read_to_string(folder.path().join("man").join(format!("{page}.1"))).unwrap();
+        assert!(text.contains(says), "{page}: {text}");
     }
 }
 
@@ -133,15 +194,23 @@ fn bad_input_of_every_command_is_one_line_and_writes_nothing() {
         ("simulate --machine linear.toml --out out.csv", "linear.toml: axis.kind"),
         ("simulate --reference missing.csv --out out.csv", "missing.csv: cannot open"),
         ("simulate --reference bad_reference.csv --out out.csv", "bad_reference.csv:3: t_s: 0 does not rise"),
-        ("simulate --duration-s=-1 --out out.csv", "duration_s"),
-        ("simulate --duration-s nan --out out.csv", "duration_s"),
-        ("simulate --amplitude-deg 500 --out out.csv", "amplitude_deg: 500 is not allowed, -360.96 to 360.96 is"),
-        ("simulate ramp --travel-deg=-5 --out out.csv", "travel_deg: -5 is not allowed, 0.01 to"),
-        ("simulate multisine --tones 0 --out out.csv", "tones: 0 is not allowed, 1 to 16 is"),
-        ("simulate chirp --high-hz 1000 --out out.csv", "to_hz"),
-        ("simulate chirp --to-hz 1000 --out out.csv", "to_hz"),
-        ("simulate ramp --speed-rad-s 0 --out out.csv", "speed_rad_s"),
-        ("simulate steps --dwell-s 0 --out out.csv", "dwell_s"),
+        ("simulate --duration-s=-1 --out out.csv", "--duration-s: -1 is not allowed"),
+        ("simulate --duration-s nan --out out.csv", "--duration-s: NaN is not allowed"),
+        ("simulate --amplitude-deg 500 --out out.csv", "--amplitude-deg: 500 is not allowed, -360 to 360 is"),
+        ("simulate --amplitude-deg 4000 --out out.csv", "--amplitude-deg: 4000 is not allowed, -360 to 360 is"),
+        (
+            "simulate ramp --travel-deg=-5 --out out.csv",
+            "--amplitude-deg (or --travel-deg): -5 is not allowed, 0.00573 to",
+        ),
+        (
+            "simulate ramp --amplitude-deg 1e6 --out out.csv",
+            "--amplitude-deg (or --travel-deg): 1000000 is not allowed",
+        ),
+        ("simulate multisine --tones 0 --out out.csv", "--tones: 0 is not allowed, 1 to 16 is"),
+        ("simulate chirp --high-hz 1000 --out out.csv", "--high-hz (or --to-hz): 1000 is not allowed"),
+        ("simulate chirp --to-hz 1000 --out out.csv", "--high-hz (or --to-hz): 1000 is not allowed"),
+        ("simulate ramp --speed-rad-s 0 --out out.csv", "--speed-rad-s: 0 is not allowed"),
+        ("simulate steps --dwell-s 0 --out out.csv", "--dwell-s: 0 is not allowed"),
         ("simulate --fluid q --dead-time-ms 5 --lag-ms 5 --out out.csv", "not both"),
         ("simulate --fluid none --lag-ms 5 --out out.csv", "--fluid none has no delay"),
         ("simulate --fluid e --as-printed --out out.csv", "--as-printed is a reading of --fluid q"),
@@ -151,6 +220,13 @@ fn bad_input_of_every_command_is_one_line_and_writes_nothing() {
         ("simulate --sensor-noise-rad nan --out out.csv", "noise_sd"),
         ("simulate --torque-noise-nm=-1 --out out.csv", "torque_noise_sd"),
         ("simulate --disturbance 0.1,-1,8 --out out.csv", "duration_s"),
+        ("stability --fluid dead-time --lag-ms 3", "--dead-time-ms is the delay of --fluid dead-time"),
+        ("help bogus", "there is no command and no topic `bogus`; there are init, convert, doctor"),
+        ("help link runn", "`link` has no action `runn`; is `run` meant?"),
+        ("help doctor run", "`doctor` has no action `run`; it has none"),
+        ("help effects run", "`effects` is no command with an action `run`"),
+        ("help cogin", "there is no command and no topic `cogin`; is `cogging` meant?"),
+        ("prove --plan fixed --effect cogin", "there is no effect `cogin`; the nearest is `cogging`"),
         ("replay missing.csv", "missing.csv: cannot open"),
         ("replay bad.csv", "bad.csv:3: position_rad"),
         ("replay text.txt", "text.txt:1: t_s, position_rad, torque_cmd_nm: required columns are missing"),

@@ -156,6 +156,32 @@ mod terminal {
         assert!(quiet.is_empty(), "{quiet}");
     }
 
+    /// Beside what has a count: nothing within it has a line of its own, nothing wraps, nothing moves the cursor up.
+    #[test]
+    #[cfg_attr(debug_assertions, ignore = "minutes without optimisation; the tests in release run it")]
+    fn a_fleet_and_the_guide_show_how_far_they_are_on_one_line() {
+        let folder = tempfile::tempdir().unwrap();
+        axis(folder.path());
+        let rows = "m.toml,run.csv\n".repeat(3);
+        std::fs::write(folder.path().join("list.csv"), format!("machine,recordings\n{rows}")).unwrap();
+        let fleet = ["fleet", "list.csv", "-o", "fleet.parquet", "--jobs", "1"];
+        let guide = ["guide", "--only", "coulomb_friction,backlash"];
+        for (words, says) in [
+            (&fleet[..], ["fleet, rows diagnosed: 0 of 3", "of 3, "]),
+            (&guide, ["field guide, effects: 0 of 2", "of 2, "]),
+        ] {
+            let (text, first) = shown(folder.path(), words, Terminal::Error, &[], "gone");
+            println!("first after {first:?} s:\n{text}");
+            assert!(first.is_some_and(|first_s| first_s < 5.0), "{first:?} s: {text}");
+            assert!(says.iter().all(|says| text.contains(says)), "{text}");
+            assert!(!text.contains("\x1b[1A") && !text.contains("ticks"), "{text:?}");
+            // Rows that are done are not done again.
+            let _ = std::fs::remove_file(folder.path().join("fleet.parquet"));
+            let quiet = [words, &["--quiet", "--force"]].concat();
+            assert_eq!(shown(folder.path(), &quiet, Terminal::Error, &[], "gone").0, "");
+        }
+    }
+
     /// Whether a text asks a terminal for colours or weights, beside where its cursor is.
     fn is_coloured(text: &str) -> bool {
         let codes = text.split("\x1b[").skip(1);

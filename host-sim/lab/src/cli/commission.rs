@@ -25,7 +25,7 @@ pub struct Args {
     #[arg(long)]
     save: bool,
     /// Folder for the report, the machine file and the recordings; made if it is not there.
-    #[arg(long, value_name = "DIR", default_value = "out/commission")]
+    #[arg(long, short, value_name = "DIR", default_value = "out/commission")]
     out: PathBuf,
     #[command(flatten)]
     overwrite: Overwrite,

@@ -22,7 +22,7 @@ pub struct Args {
     #[arg(long, value_name = "NUMBER")]
     run: Option<u32>,
     /// Where the recording goes, `.csv`, `.parquet` or `.mcap`; without it, CSV on standard output.
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, short, value_name = "FILE")]
     out: Option<PathBuf>,
     #[command(flatten)]
     overwrite: Overwrite,

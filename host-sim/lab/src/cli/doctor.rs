@@ -3,6 +3,7 @@
 mod log;
 mod machine;
 mod shows;
+mod skew;
 
 use std::path::PathBuf;
 

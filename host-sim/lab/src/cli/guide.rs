@@ -14,7 +14,7 @@ use crate::{Error, output};
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// Folder for the pictures and the table; made if it is not there.
-    #[arg(long, value_name = "DIR", default_value = "out/guide")]
+    #[arg(long, short, value_name = "DIR", default_value = "out/guide")]
     out: PathBuf,
     /// Pages of these effects only; separated by commas.
     #[arg(long, value_name = "ID", value_delimiter = ',')]

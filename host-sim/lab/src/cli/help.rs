@@ -4,23 +4,28 @@ use std::io::Write as _;
 use std::path::PathBuf;
 
 use clap::CommandFactory as _;
-use diagnosis::effects::VOCABULARY;
+use diagnosis::effects::{VOCABULARY, find};
 
 use super::{Cli, Overwrite};
 use crate::read::AxisKind;
 use crate::read::vocabulary::{self, Occurs};
-use crate::read::{FORMATS, nearest};
+use crate::read::FORMATS;
 use crate::{Error, output};
 
 /// Words that `help` explains beside the commands.
 const TOPICS: &[&str] = &["effects", "formats"];
+/// What is said of a word that is neither.
+const NONE: &str = "there is no command and no topic";
+/// Of a misspelt word at most four letters in ten differ.
+const ALIKE: f64 = 0.6;
 
 /// Flags of `help`.
 #[derive(Debug, clap::Args)]
 pub struct HelpArgs {
-    /// A command; `effects` for the vocabulary of a diagnosis, `formats` for the logs that are read; or an effect.
+    /// A command, with an action of it behind where it has some (`link run`); `effects` for the vocabulary of a diagnosis, `formats` for
+    /// the logs that are read; or an effect.
     #[arg(value_name = "TOPIC")]
-    topic: Option<String>,
+    topic: Vec<String>,
 }
 
 /// Flags of `completions`.
@@ -34,8 +39,8 @@ pub struct CompletionsArgs {
 /// Flags of `man`.
 #[derive(Debug, clap::Args)]
 pub struct ManArgs {
-    /// Folder for the pages, one a command; made if it is not there.
-    #[arg(long, value_name = "DIR", default_value = "out/man")]
+    /// Folder for the pages, one a command and action; made if it is not there.
+    #[arg(long, short, value_name = "DIR", default_value = "out/man")]
     out: PathBuf,
     #[command(flatten)]
     overwrite: Overwrite,
@@ -47,24 +52,51 @@ pub struct ManArgs {
 /// A topic that is none.
 pub fn help(args: &HelpArgs) -> Result<(), Error> {
     let mut cli = Cli::command();
-    let Some(topic) = args.topic.as_deref() else { return output::print(&cli.render_long_help().to_string()) };
-    match topic {
-        "effects" => return output::print(&effects()),
-        "formats" => return output::print(&formats()),
-        _ => {}
-    }
-    if let Some(effect) = VOCABULARY.iter().find(|effect| effect.id == topic) {
-        return output::print(&self::effect(effect.id, effect.sentence));
+    let [topic, actions @ ..] = &args.topic[..] else { return output::print(&cli.render_long_help().to_string()) };
+    match (explained(topic), actions) {
+        (Some(text), []) => return output::print(&text),
+        (Some(_), [action, ..]) => {
+            return Err(Error::Usage(format!("`{topic}` is no command with an action `{action}`")));
+        }
+        (None, _) => {}
     }
     // Built, so that a command's help names the program before it.
     cli.build();
-    if let Some(command) = cli.find_subcommand_mut(topic) {
-        return output::print(&command.render_long_help().to_string());
+    output::print(&help_of(&mut cli, &args.topic, TOPICS)?)
+}
+
+/// What a word says that is no command.
+fn explained(topic: &str) -> Option<String> {
+    match topic {
+        "effects" => Some(effects()),
+        "formats" => Some(formats()),
+        _ => find(topic).map(|known| effect(known.id, known.sentence)),
     }
-    let commands = cli.get_subcommands().map(clap::Command::get_name);
-    let known = TOPICS.iter().copied().chain(VOCABULARY.iter().map(|effect| effect.id)).chain(commands);
-    let near = nearest(topic, known).map_or_else(String::new, |near| format!("; is `{near}` meant?"));
-    Err(Error::Usage(format!("there is no command and no topic `{topic}`{near}")))
+}
+
+/// The help of the command at that path below this one; `topics` are known beside its subcommands.
+fn help_of(command: &mut clap::Command, path: &[String], topics: &[&str]) -> Result<String, Error> {
+    let [name, rest @ ..] = path else { return Ok(command.render_long_help().to_string()) };
+    let known: Vec<String> = command.get_subcommands().map(|one| one.get_name().to_owned()).collect();
+    let whose = if topics.is_empty() { format!("`{}` has no action", command.get_name()) } else { NONE.to_owned() };
+    match command.find_subcommand_mut(name) {
+        Some(next) => help_of(next, rest, &[]),
+        None => Err(Error::Usage(format!("{whose} `{name}`; {}", instead(name, &known, topics)))),
+    }
+}
+
+/// What else there is: the word that was meant, where one is near; all of them, where none is.
+fn instead(word: &str, commands: &[String], topics: &[&str]) -> String {
+    let effects = VOCABULARY.iter().map(|effect| effect.id).filter(|_| !topics.is_empty());
+    let all = commands.iter().map(String::as_str).chain(topics.iter().copied());
+    let likeness = |known: &str| strsim::normalized_damerau_levenshtein(&word.to_lowercase(), known);
+    let scored = all.clone().chain(effects).map(|known| (likeness(known), known));
+    match scored.max_by(|one, other| one.0.total_cmp(&other.0)) {
+        Some((score, near)) if score >= ALIKE => format!("is `{near}` meant?"),
+        _ if commands.is_empty() => "it has none".to_owned(),
+        _ if topics.is_empty() => format!("there are {}", all.collect::<Vec<_>>().join(", ")),
+        _ => format!("there are {}; and each effect that `help effects` lists", all.collect::<Vec<_>>().join(", ")),
+    }
 }
 
 /// The logs that are read.
@@ -106,20 +138,28 @@ pub fn completions(args: &CompletionsArgs) -> Result<(), Error> {
     output::print(&String::from_utf8_lossy(&script))
 }
 
-/// Writes a man page for every command.
+/// A command by the name of its page, and all below it.
+fn pages(command: &clap::Command, name: &str) -> Vec<(String, clap::Command)> {
+    let mut all = vec![(name.to_owned(), command.clone())];
+    for below in command.get_subcommands() {
+        all.extend(pages(below, &format!("{name}-{}", below.get_name())));
+    }
+    all
+}
+
+/// Writes a man page for every command and every action of one.
 ///
 /// # Errors
 /// Pages that cannot be written.
 pub fn man(args: &ManArgs) -> Result<(), Error> {
     let mut cli = Cli::command();
     cli.build();
-    let mut pages = vec![("servo-lab.1".to_owned(), cli.clone())];
-    pages.extend(cli.get_subcommands().map(|command| (format!("servo-lab-{}.1", command.get_name()), command.clone())));
+    let pages = pages(&cli, "servo-lab");
     let mut files = args.overwrite.files();
-    let out: Vec<_> = pages.iter().map(|(name, _)| files.writes(&args.out.join(name))).collect();
+    let out: Vec<_> = pages.iter().map(|(name, _)| files.writes(&args.out.join(format!("{name}.1")))).collect();
     let mut outputs = files.check()?;
     for (file, (name, command)) in out.into_iter().zip(pages) {
-        let man = clap_mangen::Man::new(command).title(name.trim_end_matches(".1").to_owned());
+        let man = clap_mangen::Man::new(command).title(name);
         outputs.write(file, |to| {
             // A comment of troff; the mark by which the tool knows its own file again.
             writeln!(to, ".\\\" {}", output::mark::WORDS)?;

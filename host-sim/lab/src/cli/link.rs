@@ -14,6 +14,7 @@ use er_servo::link::{self, BAUD, Command, Pace};
 use wire::connection::{Connection, Persistence};
 use wire::parameter::find;
 
+use super::examples::link as examples;
 use super::record::csv_name;
 use crate::Error;
 use crate::line::{Line, Stream};
@@ -78,24 +79,32 @@ impl LineArgs {
 #[derive(Debug, clap::Subcommand)]
 enum Action {
     /// State, faults with how to clear them, position, commands, counters of the link.
+    #[command(after_help = examples::STATUS)]
     Status {
         /// As JSON.
         #[arg(long)]
         json: bool,
     },
     /// Print the last faults that the drive has kept in its flash, the newest first.
+    #[command(after_help = examples::EVENTS)]
     Events,
-    /// Start the drive, and keep the link alive until Ctrl-C or --for-s; then stop it.
+    /// Start the drive, and keep the link alive until Ctrl-C or --duration-s; then stop it.
+    #[command(after_help = examples::ENABLE)]
     Enable(Stay),
     /// Stop the drive: brake the axis to rest, then everything off.
+    #[command(after_help = examples::DISABLE)]
     Disable,
     /// Leave the fault state, once its cause is gone.
+    #[command(after_help = examples::CLEAR)]
     Clear,
     /// Call the place where the axis stands 0.
+    #[command(after_help = examples::HOME)]
     Home,
     /// Call the place where the axis stands by another position.
+    #[command(after_help = examples::SET_POSITION)]
     SetPosition(Target),
-    /// Send the reference there, and keep the link alive until Ctrl-C or --for-s; then stop the drive.
+    /// Send the reference there, and keep the link alive until Ctrl-C or --duration-s; then stop the drive.
+    #[command(after_help = examples::REFERENCE)]
     Reference {
         #[command(flatten)]
         target: Target,
@@ -103,11 +112,11 @@ enum Action {
         #[arg(long)]
         relative: bool,
         /// Highest speed, rad/s; without it, and at most, speed_limit_rad_s.
-        #[arg(long, value_name = "RAD_S", default_value_t = 0.0)]
-        speed: f32,
+        #[arg(long, alias = "speed", value_name = "RAD_S", default_value_t = 0.0)]
+        speed_rad_s: f32,
         /// Acceleration, rad/s2; without it, and at most, acceleration_limit_rad_s2.
-        #[arg(long, value_name = "RAD_S2", default_value_t = 0.0)]
-        accel: f32,
+        #[arg(long, alias = "accel", value_name = "RAD_S2", default_value_t = 0.0)]
+        acceleration_rad_s2: f32,
         /// Greatest torque, whole N m; without it, torque_limit_nm.
         #[arg(long, value_name = "NM", default_value_t = 0)]
         max_torque_nm: u8,
@@ -115,31 +124,41 @@ enum Action {
         stay: Stay,
     },
     /// Let the reference slow down and stay; ends an experiment.
+    #[command(after_help = examples::HOLD)]
     Hold(Stay),
     /// Run an experiment of the image from where the reference is.
+    #[command(after_help = examples::RUN)]
     Run(Run),
     /// Find the machine by experiments: friction, law and times of the fluid, inertia, delays; the axis moves.
+    #[command(after_help = examples::IDENTIFY)]
     Identify(identify::Args),
     /// Print parameters of the law, as `[controller]` of a machine file has them; without names, all.
+    #[command(after_help = examples::GET)]
     Get {
         /// Names.
         names: Vec<String>,
     },
     /// Set parameters of the law, all or none, until the next reset; `save` keeps them.
+    #[command(after_help = examples::SET)]
     Set(set::Args),
     /// Make the parameters the image was built with those of the law.
+    #[command(after_help = examples::DEFAULTS)]
     Defaults,
     /// Make the parameters in flash those of the law.
+    #[command(after_help = examples::LOAD)]
     Load,
     /// Write the parameters of the law to flash.
+    #[command(after_help = examples::SAVE)]
     Save,
     /// Start a recording.
+    #[command(after_help = examples::START_RECORDING)]
     StartRecording {
         /// Number that is told in the recording.
         #[arg(default_value_t = 1)]
         run: u32,
     },
     /// End the recording.
+    #[command(after_help = examples::STOP_RECORDING)]
     StopRecording,
 }
 
@@ -147,11 +166,11 @@ enum Action {
 #[derive(Debug, clap::Args)]
 struct Stay {
     /// Leave the drive running alone, without a link.
-    #[arg(long, conflicts_with = "for_s")]
+    #[arg(long, conflicts_with = "duration_s")]
     autonomous: bool,
     /// For how long to keep the link alive, s.
-    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
-    for_s: Option<Duration>,
+    #[arg(long, alias = "for-s", value_name = "SECONDS", value_parser = seconds)]
+    duration_s: Option<Duration>,
 }
 
 #[derive(Debug, clap::Args)]
@@ -244,10 +263,10 @@ impl Drive {
             Action::Clear => drive.clear(),
             Action::Home => drive.tell(Command::SetPosition { counts: 0 }),
             Action::SetPosition(target) => drive.tell(Command::SetPosition { counts: target.counts()? }),
-            Action::Reference { target, relative, speed, accel, max_torque_nm, stay } => {
+            Action::Reference { target, relative, speed_rad_s, acceleration_rad_s2, max_torque_nm, stay } => {
                 let counts = target.counts()?;
                 let target = if *relative { link::Target::Relative(counts) } else { link::Target::Absolute(counts) };
-                let pace = Pace { speed_rad_s: *speed, acceleration_rad_s2: *accel };
+                let pace = Pace { speed_rad_s: *speed_rad_s, acceleration_rad_s2: *acceleration_rad_s2 };
                 drive.reference(Command::Reference { target, pace, torque_bound_nm: *max_torque_nm }, stay)
             }
             Action::Hold(stay) => {

@@ -10,6 +10,7 @@ pub mod diagnose;
 mod doctor;
 mod effort_units;
 mod examples;
+mod experiment_flags;
 mod fleet;
 mod guide;
 mod help;

@@ -8,6 +8,7 @@ use super::Overwrite;
 use crate::beyond::compare;
 use crate::output::{Files, Output, Provenance, formats};
 use crate::paper::{figures, reproduce, table};
+use crate::progress::Course;
 use crate::read::{AxisKind, Machine, Recording};
 use crate::{Error, output};
 
@@ -15,7 +16,7 @@ use crate::{Error, output};
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// Folder for the figures and the table; made if it is not there.
-    #[arg(long, value_name = "DIR", default_value = "out/paper")]
+    #[arg(long, short, value_name = "DIR", default_value = "out/paper")]
     out: PathBuf,
     /// Writes table and figures as one page that opens in a browser.
     #[arg(long, value_name = "FILE")]
@@ -49,7 +50,11 @@ pub fn run(args: &Args) -> Result<(), Error> {
     let html = args.html.as_ref().map(|file| files.writes(file));
     let mut outputs = files.check()?;
     let measured = args.measured.as_ref().map(|file| args.read(file)).transpose()?;
+    // Its steps take from milliseconds to half of the time: a count of them would tell a wrong end.
+    let course = Course::begin("paper");
+    course.enter("runs, claims and figures");
     let paper = reproduce(measured.as_ref())?;
+    drop(course);
     for (name, picture) in pictures {
         let named = paper.figures.iter().find(|named| named.file == name);
         named.map_or(Ok(()), |named| output::figure(&mut outputs, picture, &named.figure))?;
@@ -85,7 +90,10 @@ fn beyond(args: &Args, mut files: Files) -> Result<(), Error> {
     let (table, figure) = (files.writes(&args.out.join("beyond.md")), files.writes(&args.out.join("beyond.svg")));
     let html = args.html.as_ref().map(|file| files.writes(file));
     let mut outputs = files.check()?;
+    let course = Course::begin("paper");
+    course.enter("the control beyond it");
     let comparison = compare()?;
+    drop(course);
     output::figure(&mut outputs, figure, &comparison.figure()?)?;
     let text = comparison.markdown();
     output::text(&mut outputs, table, &formats::markdown(&text))?;

@@ -1,13 +1,15 @@
 //! `servo-lab prove`.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 use std::time::Duration;
 
 use conceal::plan::{Arm, ROUND, Version, plan, plan_of_steps};
 use conceal::subject;
+use diagnosis::effects::find;
 
 use super::Overwrite;
+use crate::conclude::unknown_effect;
 use crate::output::{Output, Outputs, Provenance, formats};
 use crate::prove::follow::{self, Change};
 use crate::prove::results::{self, Origin, Results};
@@ -70,7 +72,7 @@ pub struct Args {
     #[arg(long, value_name = "DIR", default_value = "../shared/data")]
     data: PathBuf,
     /// Folder of seals, outcomes and, with --keep, recordings. Cases with an outcome there are not run again.
-    #[arg(long, value_name = "DIR", default_value = "out/prove")]
+    #[arg(long, short, value_name = "DIR", default_value = "out/prove")]
     out: PathBuf,
     /// The program that diagnoses; this one by default.
     #[arg(long, value_name = "FILE")]
@@ -268,7 +270,7 @@ impl Args {
             Version::Drawn => ROUND,
             Version::Steps => plan_of_steps().len() as u64,
         };
-        let mut seeds = Vec::new();
+        let (mut seeds, mut met) = (Vec::new(), BTreeSet::new());
         for seed in self.first..self.first.saturating_add(self.count.unwrap_or(round)) {
             let (arm, effects) = self.arm(seed)?;
             let wanted = |id: &&str| self.effect.iter().any(|wanted| wanted == id);
@@ -277,6 +279,11 @@ impl Args {
             {
                 seeds.push(seed);
             }
+            met.extend(effects);
+        }
+        // A plan may conceal what no diagnosis names.
+        if let Some(id) = self.effect.iter().find(|id| find(id).is_none() && !met.contains(id.as_str())) {
+            return Err(unknown_effect(id));
         }
         if self.quick {
             seeds = self.two_of_each_arm(&seeds)?;

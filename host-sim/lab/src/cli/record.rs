@@ -29,8 +29,8 @@ pub struct Args {
     #[arg(long, value_name = "NUMBER")]
     run: Option<u32>,
     /// End after this time, s; without it, when the drive ends the recording, or with Ctrl-C.
-    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
-    for_s: Option<Duration>,
+    #[arg(long, alias = "for-s", value_name = "SECONDS", value_parser = seconds)]
+    duration_s: Option<Duration>,
     #[command(flatten)]
     overwrite: Overwrite,
 }
@@ -108,7 +108,7 @@ pub fn run(args: &Args) -> Result<(), Error> {
     files.reads_all(&args.from.log);
     let out = files.writes(&args.out);
     let outputs = files.check()?;
-    let wanted = Wanted { run: args.run, duration: args.for_s };
+    let wanted = Wanted { run: args.run, duration: args.duration_s };
     let (summary, ended) = match (args.line(), &args.elf) {
         (Some(line), _) => record_over_link(&line, &wanted, outputs.growing(out)?, &Interrupt::watch()?)?,
         (None, Some(file)) => {

@@ -6,6 +6,7 @@ use clap::builder::PossibleValuesParser;
 use er_servo::experiment::{Experiment, MAX_TONES, Shape};
 
 use super::Overwrite;
+use super::experiment_flags::refused;
 use super::machine::MachineArgs;
 use crate::beyond::{self, MODES};
 use crate::read::{BESIDE_THE_LAW, Recording};
@@ -13,6 +14,13 @@ use crate::simulate::{
     Disturbance, Reference, Row, Scenario, Setup, Summary, figure, period_s, record, run as run_loop,
 };
 use crate::{Error, output};
+
+/// Flags whose name is another than that of the value of an experiment, or that have a second one.
+const FLAGS: &[(&str, &str)] = &[
+    ("travel_rad", "amplitude-deg (or --travel-deg)"),
+    ("from_hz", "low-hz (or --from-hz)"),
+    ("to_hz", "high-hz (or --to-hz)"),
+];
 
 /// The built-in scenarios.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
@@ -193,6 +201,9 @@ impl Args {
             eprintln!(
                 "warning: --mode knows the rotor, friction, damper and delays of the paper's machine, and this is another one"
             );
+        }
+        if let Reference::Experiment(experiment) = &scenario.reference {
+            experiment.start(period_s as f32).map_err(|error| refused(&error, FLAGS))?;
         }
         let reference = scenario.reference.positions(period_s)?;
         let rows = match mode {

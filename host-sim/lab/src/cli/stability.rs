@@ -32,8 +32,8 @@ pub enum Model {
 #[derive(Debug, Args)]
 pub struct StabilityArgs {
     /// Delay L of the motor system, ms [default: 5, or the machine's]
-    #[arg(long, value_name = "MS")]
-    delay_ms: Option<f64>,
+    #[arg(long, alias = "delay-ms", value_name = "MS")]
+    drive_delay_ms: Option<f64>,
     /// Delay the normalised gains are scaled with, ms [default: that of the motor system]
     #[arg(long, value_name = "MS")]
     gains_delay_ms: Option<f64>,
@@ -44,10 +44,16 @@ pub struct StabilityArgs {
     #[arg(long, default_value_t = 10.0)]
     q1: f64,
     /// Delay model of the fluid [default: dead-time, or the machine's: the longer of its dead time and lag decides]
-    #[arg(long, value_enum)]
-    model: Option<Model>,
-    /// Dead time L_Q or time constant T_Q of the fluid, ms [default: 5, or the machine's dead time and lag together]
+    #[arg(long, alias = "model", value_enum)]
+    fluid: Option<Model>,
+    /// Dead time L_Q of the fluid, ms [default: 5, or the machine's dead time and lag together]
+    #[arg(long, value_name = "MS", conflicts_with = "lag_ms")]
+    dead_time_ms: Option<f64>,
+    /// Time constant T_Q of the fluid, ms [default: as of --dead-time-ms]
     #[arg(long, value_name = "MS")]
+    lag_ms: Option<f64>,
+    /// Either of the two, by --fluid
+    #[arg(long, value_name = "MS", hide = true, conflicts_with_all = ["dead_time_ms", "lag_ms"])]
     field_delay_ms: Option<f64>,
     /// Normalised gain K_p* = K_P L^2 / J [default: 0.08, or the machine's controller]
     #[arg(long, allow_hyphen_values = true)]
@@ -118,11 +124,12 @@ fn case(args: &StabilityArgs) -> Result<(Loop, Setting), Error> {
     let controller = machine.as_ref().and_then(|machine| machine.controller);
     let seconds = |ms: f64| ms * 1e-3;
     let torque_delay_s =
-        args.delay_ms.map_or_else(|| nominal.map_or(DELAY_S, Nominal::torque_delay_from_sample_s), seconds);
+        args.drive_delay_ms.map_or_else(|| nominal.map_or(DELAY_S, Nominal::torque_delay_from_sample_s), seconds);
     let inertia_kg_m2 = args.inertia.unwrap_or_else(|| nominal.map_or(INERTIA_KG_M2, |p| p.inertia));
     let (model, fluid_s) = nominal.map_or((Model::DeadTime, FLUID_DELAY_S), fluid_of);
-    let field_delay_s = args.field_delay_ms.map_or(fluid_s, seconds);
-    let fluid = match args.model.unwrap_or(model) {
+    let (asked, delay_ms) = asked(args)?;
+    let field_delay_s = delay_ms.map_or(fluid_s, seconds);
+    let fluid = match asked.unwrap_or(model) {
         Model::None => Fluid::None,
         Model::DeadTime => Fluid::DeadTime { l_q_s: field_delay_s },
         Model::Lag => Fluid::Lag { t_q_s: field_delay_s },
@@ -132,6 +139,20 @@ fn case(args: &StabilityArgs) -> Result<(Loop, Setting), Error> {
     let control = controller.unwrap_or_default();
     let coulomb_nm = nominal.map_or(f64::from(control.er_c_nm), |p| p.coulomb);
     Ok((closed, Setting { window: Window::SPECIFIED, field_delay_s, coulomb_nm, control }))
+}
+
+/// Delay model and delay, ms, that the flags ask for.
+fn asked(args: &StabilityArgs) -> Result<(Option<Model>, Option<f64>), Error> {
+    let (model, delay_ms) = match (args.dead_time_ms, args.lag_ms) {
+        (Some(delay_ms), _) => (Model::DeadTime, delay_ms),
+        (None, Some(delay_ms)) => (Model::Lag, delay_ms),
+        (None, None) => return Ok((args.fluid, args.field_delay_ms)),
+    };
+    if args.fluid.is_some_and(|fluid| fluid != model) {
+        let message = "--dead-time-ms is the delay of --fluid dead-time, and --lag-ms that of --fluid lag";
+        return Err(Error::Usage(message.to_owned()));
+    }
+    Ok((Some(model), Some(delay_ms)))
 }
 
 /// Delay model and delay, s, of a machine's fluid. (10) and (12) know a dead time or a lag: both together are taken as the

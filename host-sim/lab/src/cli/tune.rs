@@ -7,6 +7,7 @@ use std::path::PathBuf;
 use super::Overwrite;
 use super::machine::MachineArgs;
 use crate::output::{Provenance, formats};
+use crate::progress::Course;
 use crate::read::Machine;
 use crate::stability::NormalisedGains;
 use crate::tune::beside::beside;
@@ -48,7 +49,7 @@ pub struct Args {
     #[arg(long, default_value_t = 2.0)]
     overshoot_percent: f64,
     /// Folder for the picture and the machine file; made if it is not there.
-    #[arg(long, value_name = "DIR", default_value = "out/tune")]
+    #[arg(long, short, value_name = "DIR", default_value = "out/tune")]
     out: PathBuf,
     /// Writes what was found as one page that opens in a browser.
     #[arg(long, value_name = "FILE")]
@@ -101,9 +102,13 @@ impl Args {
     /// Flags or a machine that cannot be followed, demands that no gains keep.
     pub fn tune(&self) -> Result<Tuned, Error> {
         let task = self.task()?;
+        // How long all of it takes is known of no stage alone.
+        let course = Course::begin("tune");
+        course.enter("gains");
         let tuning = tune(&task)?;
         let read = self.machine.machine.as_deref().map(Machine::read).transpose()?;
         let machine = machine(&task, &tuning, read);
+        course.enter("the control beyond them");
         let beyond = beside(&task)?.map_or_else(String::new, |beside| format!("\n{}", beside.text(&task, &tuning)));
         let summary = summary(&task, &tuning) + &beyond;
         Ok(Tuned { tuning, machine, summary })

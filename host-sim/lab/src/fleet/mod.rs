@@ -33,16 +33,16 @@ pub fn run(
     earlier: &HashMap<String, Answer>,
     save: impl FnMut(&[&Row]) -> Result<(), Error> + Send,
 ) -> Result<Vec<Row>, Error> {
-    let bar = Progress::new("diagnoses", tasks.len() as u64);
     let known: Vec<Option<Row>> = tasks.par_iter().map(|task| known(task, earlier)).collect();
     let left: Vec<usize> = (0..tasks.len()).filter(|&index| known[index].is_none()).collect();
-    bar.advance((tasks.len() - left.len()) as u64);
+    // Those that are done already tell nothing of how long the others take.
+    let progress = Progress::new("fleet, rows diagnosed", left.len() as u64);
     let (done, arriving) = channel();
     let rows = thread::scope(|scope| {
         scope.spawn(|| {
             let _ = left.into_par_iter().try_for_each_with(done, |done, index| {
                 let row = one(&tasks[index]);
-                bar.advance(1);
+                progress.advance(1);
                 // Nobody takes rows any more that cannot be saved.
                 done.send((index, row)).map_err(drop)
             });

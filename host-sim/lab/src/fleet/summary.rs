@@ -7,7 +7,7 @@ use crate::Error;
 use crate::output::Provenance;
 use crate::prove::text::{Table, aligned};
 use crate::report::html::{Page, Section, estimate, interval, plain, text};
-use crate::report::{EffectAnswer, Interval};
+use crate::report::{EffectAnswer, Interval, shown};
 
 /// What the rows say together.
 #[derive(Debug)]
@@ -148,7 +148,10 @@ fn drift(rows: &[Row]) -> Table {
             vec![
                 (*machine).to_owned(),
                 (*effect).to_owned(),
-                format!("{parameter}, {}", last.unit),
+                match shown(&last.unit) {
+                    "" => (*parameter).to_owned(),
+                    unit => format!("{parameter}, {unit}"),
+                },
                 values.len().to_string(),
                 format!("{} on {first_date}", estimate(first)),
                 interval(first),

@@ -151,14 +151,15 @@ impl Guide {
         let all = sizes::all();
         let rich = self.signatures(&all, &default_experiments());
         let sine = self.signatures(&all, &slow_sine());
-        let wanted = |index: &usize| only.is_empty() || only.iter().any(|id| id == all[*index].effect.id);
-        let progress = Progress::new("field guide, effects", all.len() as u64);
+        let is_wanted = |index: &usize| only.is_empty() || only.iter().any(|id| id == all[*index].effect.id);
+        let wanted: Vec<usize> = (0..all.len()).filter(is_wanted).collect();
+        let progress = Progress::new("field guide, effects", wanted.len() as u64);
         let page = |index| {
             let page = self.page(&all, index, &rich, &sine);
             progress.advance(1);
             page
         };
-        (0..all.len()).into_par_iter().filter(wanted).filter_map(page).collect()
+        wanted.into_par_iter().filter_map(page).collect()
     }
 
     /// Signature of each effect along motions of the default machine, as a unit vector.

@@ -2,6 +2,7 @@
 
 use std::fmt::{Display, Formatter};
 
+use super::places;
 use crate::read::{AxisKind, Column};
 use crate::report::Units;
 
@@ -165,9 +166,10 @@ impl Finding {
                 format!("{length_s:.3} s is too short, at least {needed_s:.1} s is needed; record longer")
             }
             Problem::Gaps { gaps, left_s, needed_s } => format!(
-                "rows are missing in {gaps} places, and after each what was commanded meanwhile still acts: {left_s:.3} s are left, \
+                "rows are missing in {}, and after each what was commanded meanwhile still acts: {left_s:.3} s are left, \
                  at least {needed_s:.1} s are needed; record without losing rows, or, of rows thinned out on purpose, leave out \
-                 the column seq"
+                 the column seq",
+                places(gaps)
             ),
             Problem::SlowSampling { period_s, most_s, file_s } => {
                 let unit = in_ms(period_s / file_s);

@@ -30,7 +30,7 @@ pub enum Purpose {
 impl Purpose {
     /// The least that can be worked on, s, of rows a period apart: the longest window of a comparison, a block to fit and one
     /// to judge by (0.4 s each) of a diagnosis; and rows enough for one window, or for five windows of eight.
-    fn needed_s(self, period_s: f64) -> f64 {
+    pub(crate) fn needed_s(self, period_s: f64) -> f64 {
         match self {
             Self::Compare => (10.0 * period_s).max(0.2),
             Self::Diagnose => (40.0 * period_s).max(0.8),
@@ -51,6 +51,11 @@ pub(crate) fn wrong_rate(period_s: f64) -> Option<String> {
     let wrong = is_too_slow(period_s) || period_s <= 0.0;
     let least_hz = 1.0 / SLOWEST_SAMPLING_S;
     wrong.then(|| format!("too slow for any window of a motion: log at {least_hz:.0} Hz or more"))
+}
+
+/// So many places, as a text has them.
+pub(crate) fn places(count: usize) -> String {
+    format!("{count} place{}", if count == 1 { "" } else { "s" })
 }
 
 /// Largest value of a column in its unit: doubles hold whole numbers up to 9e15, and beyond no motion can be told from rounding.

@@ -7,6 +7,7 @@ use diagnosis::windows::HORIZONS_S;
 use plant::Model;
 
 use super::Units;
+use super::html::{number, short};
 use super::text::{fall, per_cent};
 use crate::Error;
 use crate::plot::{Figure, Ink, Mark, Panel, Series, Stroke};
@@ -48,6 +49,22 @@ pub struct Followed {
     pub half: f64,
     /// From where to where that is, in the unit of the channel.
     pub range: [f64; 2],
+}
+
+impl Followed {
+    /// The mean with its interval, in the digits that it leaves, by that sign of a tolerance.
+    pub(crate) fn mean(&self, within: &str) -> String {
+        format!("{} {within} {}", number(self.largest, self.half), number(self.half, self.half))
+    }
+
+    /// Where that is, in the digits that tell its ends apart.
+    pub(crate) fn place(&self) -> String {
+        let [low, high] = self.range;
+        if low == high {
+            return format!("{} {}", short(low), self.unit).trim_end().to_owned();
+        }
+        format!("{} to {} {}", number(low, high - low), number(high, high - low), self.unit).trim_end().to_owned()
+    }
 }
 
 /// A window in which much is left.
@@ -240,7 +257,7 @@ impl<'a> Comparison<'a> {
 
     fn channel_label(&self, channel: Channel) -> (&'static str, &'static str) {
         match channel {
-            Channel::Direction => ("direction", "1"),
+            Channel::Direction => ("direction", ""),
             Channel::Speed => ("speed", self.units.speed),
             Channel::Position => ("position", self.units.position),
             Channel::Field => ("field", "kV/mm"),
@@ -296,12 +313,9 @@ impl<'a> Comparison<'a> {
             let share = 100.0 * orders.explained;
             writeln!(f, "  {share:>5.1} %  position within a revolution, orders {}", names.join(", "))?;
         }
-        for Followed { name, unit, share, largest, half, range: [low, high] } in self.followed() {
-            let (percent, effort) = (100.0 * share, u.effort);
-            writeln!(
-                f,
-                "  {percent:>5.1} %  {name:<9} {largest:+.4} +- {half:.4} {effort} at {low:.4} to {high:.4} {unit}"
-            )?;
+        for followed in self.followed() {
+            let (percent, name, effort) = (100.0 * followed.share, followed.name, u.effort);
+            writeln!(f, "  {percent:>5.1} %  {name:<9} {} {effort} at {}", followed.mean("+-"), followed.place())?;
         }
         Ok(())
     }
@@ -325,5 +339,25 @@ impl Display for Comparison<'_> {
             writeln!(f, "  t = {start_s:.4} to {end_s:.4} s  {effort:+.4} {effort_unit} at {speed:+.4} {speed_unit}")?;
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_channel_is_told_in_the_digits_of_its_interval() {
+        let speed = Followed {
+            name: "speed",
+            unit: "rad/s",
+            share: 0.5,
+            largest: 0.2749,
+            half: 0.1084,
+            range: [-8.3608, -6.7984],
+        };
+        assert_eq!((speed.mean("+-"), speed.place()), ("0.27 +- 0.11".to_owned(), "-8.4 to -6.8 rad/s".to_owned()));
+        // The direction is a number alone.
+        assert_eq!(Followed { unit: "", range: [1.0, 1.0], ..speed }.place(), "1");
     }
 }

@@ -14,3 +14,4 @@ pub use answer::{
 pub use improved::improved_machine;
 pub use text::summary;
 pub use units::Units;
+pub(crate) use units::shown;

@@ -2,8 +2,8 @@
 
 use std::fmt::Write;
 
-use super::html::{measure, number};
-use super::{Answer, EffectAnswer, FitAnswer, Interval, Location, RemainderAnswer, Verdict};
+use super::html::{measure, number, p_value};
+use super::{Answer, EffectAnswer, FitAnswer, Interval, Location, RemainderAnswer, Verdict, shown};
 
 /// Lines of the longest answer: what a terminal shows at once.
 const MOST_LINES: usize = 40;
@@ -96,15 +96,16 @@ pub(super) fn fall(before: f64, after: f64) -> f64 {
     if before > 0.0 { 1.0 - after / before } else { 0.0 }
 }
 
-/// A p value; one below what a number can hold is no zero.
-fn p_value(p: f64) -> String {
-    if p > 0.0 { format!("p = {p:.1e}") } else { "p < 1e-300".to_owned() }
+/// A p value in a sentence.
+fn p_is(p: f64) -> String {
+    let value = p_value(p);
+    if value.starts_with('<') { format!("p {value}") } else { format!("p = {value}") }
 }
 
 /// A value with its interval, in the digits that the interval leaves.
 fn valued(of: &Interval) -> String {
     let [value, low, high] = [of.value, of.low, of.high].map(|end| number(end, of.high - of.low));
-    format!("{value} ({low} to {high}) {}", of.unit)
+    format!("{value} ({low} to {high}) {}", shown(&of.unit)).trim_end().to_owned()
 }
 
 /// An effect with its values in one line.
@@ -126,7 +127,7 @@ fn write_effect(text: &mut String, effect: &EffectAnswer) -> std::fmt::Result {
         text,
         "  accounts for up to {} % of the held-out error without it, {}",
         per_cent(e.heldout_gain),
-        p_value(e.p_value)
+        p_is(e.p_value)
     )?;
     if !effect.equivalent.is_empty() {
         writeln!(text, "  these recordings cannot tell it from: {}", effect.equivalent.join(", "))?;
@@ -168,7 +169,7 @@ fn write_remainder(text: &mut String, left: &RemainderAnswer) -> std::fmt::Resul
         writeln!(text, "  traces of: {}", left.unnamed.join(", "))?;
     }
     for one in &left.predictors {
-        let (share, p) = (per_cent(one.share), p_value(one.p_value));
+        let (share, p) = (per_cent(one.share), p_is(one.p_value));
         let rms = one.effort_rms.map(|rms| format!(", {} {} rms", measure(rms), left.unit)).unwrap_or_default();
         writeln!(text, "  {} predicts {share} % of its squares ({p}){rms}", one.channel)?;
     }
@@ -236,6 +237,10 @@ mod tests {
     fn a_long_answer_has_forty_lines_and_says_what_is_left_out() {
         let mut long = answer(Verdict::Partial, FitAnswer::default());
         assert!(summary(&long).contains("\n  amplitude_nm = 18.0 (17.0 to 19.0) N m\n"), "{}", summary(&long));
+        // As on the page, a p value that cannot be told from zero is only small, and a plain number has no unit.
+        assert!(summary(&long).contains(", p < 1e-12\n") && p_is(3.14e-5) == "p = 3.1e-5", "{}", summary(&long));
+        let gain = Interval { unit: "1".into(), ..long.effects[0].parameters[0].clone() };
+        assert_eq!(valued(&gain), "18.0 (17.0 to 19.0)");
         long.effects = vec![long.effects[0].clone(); 12];
         let text = summary(&long);
         assert!(

@@ -15,6 +15,11 @@ pub struct Units {
     pub effort: &'static str,
 }
 
+/// A unit as it is shown: a plain number has none.
+pub(crate) fn shown(unit: &str) -> &str {
+    if unit == "1" { "" } else { unit }
+}
+
 impl Units {
     /// Of an axis.
     pub fn of(axis: AxisKind) -> Self {

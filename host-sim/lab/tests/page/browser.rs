@@ -13,11 +13,12 @@ const NAMES: [&str; 4] = ["chromium", "chromium-browser", "google-chrome", "chro
 /// Widths of a telephone and of a large screen, pixels.
 const WIDTHS: [u32; 2] = [400, 1600];
 
-/// The browser on the path; none, with the reason printed.
+/// The browser on the path; none, with the reason printed, where there is none. In CI there must be one.
 fn browser() -> Option<&'static str> {
     let runs = |name: &&&str| Command::new(name).arg("--version").output().is_ok_and(|output| output.status.success());
     let found = NAMES.iter().find(runs).copied();
     if found.is_none() {
+        assert!(std::env::var_os("CI").is_none(), "none of {NAMES:?} is on the path; .ci/run installs chromium");
         println!("not looked at in a browser: none of {NAMES:?} is on the path");
     }
     found

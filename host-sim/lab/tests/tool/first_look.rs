@@ -134,7 +134,7 @@ fn a_delay_is_told_where_it_explains_much_and_only_there() {
     let rough = |now: [f64; 3], _: [f64; 3]| vec![stepped(now[0]), law(now)];
     fs::write(folder.path().join("rough.csv"), log("position_rad,torque_nm", 1.5, rough)).unwrap();
     let looked = lab(folder.path(), &["doctor", "rough.csv"]);
-    assert!(looked.contains("effort and motion go together"), "{looked}");
+    assert!(looked.contains("torque and motion go together"), "{looked}");
 }
 
 #[test]
@@ -353,7 +353,7 @@ fn jitter_gaps_and_a_limit_are_told() {
     assert!(jitter.starts_with("note") && jitter.contains("40.0 % in nine steps of ten"), "{looked}");
     assert!(jitter.contains("better than those of the host"), "{looked}");
     let gaps = line(&looked, "gaps");
-    assert!(gaps.starts_with("note") && gaps.contains("in 1 places, the first after row 1500"), "{looked}");
+    assert!(gaps.starts_with("note") && gaps.contains("in 1 place, the first after row 1500"), "{looked}");
     let limit = line(&looked, "saturation");
     assert!(limit.starts_with("note") && limit.contains("from -0.6000 to 0.6000 N m"), "{looked}");
     assert!(limit.contains("a limit? then state torque_limit"), "{looked}");

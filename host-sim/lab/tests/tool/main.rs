@@ -8,6 +8,7 @@ mod servo;
 
 mod comparison;
 mod delays;
+mod doctor;
 mod first_look;
 mod fleet;
 mod hostile_user;

@@ -120,14 +120,9 @@ fn followed(one: &Beside<'_>) -> String {
         let share = format!("{:.1} %", 100.0 * orders.explained);
         vec!["position within a revolution".to_owned(), share, format!("orders {}", names.join(", ")), String::new()]
     });
-    let row = |Followed { name, unit, share, largest, half, range: [low, high] }| {
-        let range = match [low, high].map(|value| number(value, high - low)) {
-            // The direction is a number alone.
-            _ if low == high => short(low),
-            [low, high] => format!("{low} to {high} {unit}"),
-        };
-        let mean = format!("{} \u{b1} {}", number(largest, half), number(half, half));
-        vec![name.to_owned(), format!("{:.1} %", 100.0 * share), mean, range]
+    let row = |followed: Followed| {
+        let share = format!("{:.1} %", 100.0 * followed.share);
+        vec![followed.name.to_owned(), share, followed.mean("\u{b1}"), followed.place()]
     };
     let rows: Vec<Vec<String>> = orders.into_iter().chain(one.nominal.followed().into_iter().map(row)).collect();
     let largest = format!("largest mean, 95 % ({})", u.effort);

@@ -28,7 +28,7 @@ const MACHINE: &str = include_str!("machine.toml");
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// Folder for the recording and the pictures; made if it is not there.
-    #[arg(long, value_name = "DIR", default_value = "out/demo")]
+    #[arg(long, short, value_name = "DIR", default_value = "out/demo")]
     out: PathBuf,
     #[command(flatten)]
     overwrite: Overwrite,

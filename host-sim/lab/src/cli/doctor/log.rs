@@ -3,13 +3,14 @@
 use std::path::Path;
 
 use super::shows::shows;
+use super::skew::{EXPLAINED_ENOUGH, shifted, skew};
 use super::{Check, State};
 use crate::Error;
 use crate::cli::effort_units::EffortUnits;
 use crate::cli::velocity_check::{WrongVelocity, wrong_velocity};
-use crate::first_model::{FirstModel, first_model, first_model_of};
+use crate::first_model::{FirstModel, first_model};
 use crate::precheck::windows::median_period_s;
-use crate::precheck::wrong_rate;
+use crate::precheck::{Purpose, places, wrong_rate};
 use crate::read::{Axis, Column, Given, Machine, Mapping, Recording, Table, guess, position_step, wrap};
 use crate::report::Units;
 
@@ -17,17 +18,6 @@ use crate::report::Units;
 const JITTER: f64 = 0.2;
 /// Rows at the very top of the effort, as a share, that are a limit and no peak.
 const AT_LIMIT: f64 = 0.01;
-/// Delays between effort and motion that are tried, in rows.
-const MOST_DELAY_ROWS: usize = 40;
-/// and as long as a drive or a bus can take, s.
-const MOST_DELAY_S: f64 = 0.05;
-/// A shift of the effort must take away this share of what is left without it: friction that turns slowly, an arm that
-/// bends or a balance that holds badly anyway take some away at any shift.
-const DELAY_EXPLAINS: f64 = 0.5;
-/// Fewer windows tell no delay: half of what is left goes by chance in one of a thousand with 30.
-const DELAY_WINDOWS: usize = 30;
-/// An explained share of the effort below which nothing of the balance is to be trusted.
-const EXPLAINED_ENOUGH: f64 = 0.5;
 /// An effort of so few values is a test signal, and its ends are no limit.
 const LEVELS: usize = 10;
 /// A position step this many times smaller than the travel is fine enough to see anything.
@@ -52,12 +42,24 @@ pub(super) fn checks(file: &Path, machine: Option<&Machine>, given: Given<'_>) -
     checks.extend(wrapped);
     checks.extend(wrong_velocity(&recording).map(velocity));
     checks.push(saturation(&recording, &units));
-    let model = first_model(&axis, std::slice::from_ref(&recording));
-    checks.push(balance(model.as_ref(), &units));
-    let delay = model.as_ref().and_then(|model| delay(&recording, &axis, model, period_s));
-    checks.extend(model.is_some().then(|| skew(delay)));
-    let first = model.as_ref().map(|model| (model, delay.map_or(0.0, |(delay_s, _)| delay_s)));
-    checks.extend(shows(&recording, &axis, machine, first));
+    // What no diagnosis takes shows nothing, however it moves.
+    if checks[0].state == State::Bad {
+        return Ok(checks);
+    }
+    let Some(mut model) = first_model(&axis, std::slice::from_ref(&recording)) else {
+        checks.push(balance(None, &units));
+        checks.extend(shows(&recording, &axis, machine, None));
+        return Ok(checks);
+    };
+    let skew = skew(&recording, &axis, &model, period_s);
+    let told = skew.check(&recording, machine, period_s);
+    // A model can act late, not early: an effort that is late is moved to where it belongs.
+    let moved = skew.late_rows().map(|rows| shifted(&recording, -rows));
+    model = moved.as_ref().and_then(|moved| first_model(&axis, std::slice::from_ref(moved))).unwrap_or(model);
+    checks.extend([balance(Some(&model), &units), told]);
+    // What a machine file is given for is looked at as it is.
+    let seen = moved.as_ref().filter(|_| machine.is_none()).unwrap_or(&recording);
+    checks.extend(shows(seen, &axis, machine, Some((&model, skew.delay_s(period_s)))));
     Ok(checks)
 }
 
@@ -75,8 +77,9 @@ fn wrapped(recording: &mut Recording, mapping: &Mapping) -> Option<Check> {
     let (count, row) = (wrap.rows.len(), wrap.rows.first().map_or(0, |row| row + 1));
     wrap.undo(&mut recording.position);
     let found = format!(
-        "it jumps by {width:?} {unit} in {count} places, the first after row {row}: the drive keeps it within a range; put \
-         `wrap = {width:?}` beside `position` in [columns] of the machine file, as init does"
+        "it jumps by {width:?} {unit} in {}, the first after row {row}: the drive keeps it within a range; put \
+         `wrap = {width:?}` beside `position` in [columns] of the machine file, as init does",
+        places(count)
     );
     Some(Check::new(State::Bad, "wrap", found))
 }
@@ -97,19 +100,27 @@ fn rate(recording: &Recording, period_s: f64) -> Check {
     if let Some(wrong) = wrong_rate(period_s) {
         return Check::new(State::Bad, "rate", format!("{found}; {wrong}"));
     }
+    let needed_s = Purpose::Diagnose.needed_s(period_s);
+    if length_s < needed_s {
+        let found = format!("{found}; too short: diagnose needs {needed_s:.1} s, of all its recordings together");
+        return Check::new(State::Bad, "rate", found);
+    }
     Check::new(State::Good, "rate", found)
 }
 
+/// How uneven the steps of time are, but those over rows that are missing.
 fn jitter(recording: &Recording, period_s: f64) -> Check {
-    let mut away: Vec<f64> =
-        recording.t_s.windows(2).map(|pair| (pair[1] - pair[0] - period_s).abs() / period_s).collect();
-    away.sort_by(f64::total_cmp);
-    let at = |share: f64| away.get((share * away.len() as f64) as usize).or(away.last()).copied().unwrap_or(0.0);
-    let steps = recording.t_s.windows(2).map(|pair| (pair[1] - pair[0] - period_s).abs());
-    let worst = steps.enumerate().max_by(|one, other| one.1.total_cmp(&other.1)).map_or(0, |(row, _)| row + 1);
+    let steps = recording.t_s.windows(2).enumerate().filter(|(row, _)| recording.gaps.binary_search(row).is_err());
+    let mut away: Vec<(f64, usize)> =
+        steps.map(|(row, pair)| ((pair[1] - pair[0] - period_s).abs() / period_s, row + 1)).collect();
+    away.sort_by(|one, other| one.0.total_cmp(&other.0));
+    let Some(&(worst, row)) = away.last() else {
+        return Check::new(State::Note, "jitter", "rows are missing after each that is there");
+    };
+    let nine_of_ten = away.get((0.9 * away.len() as f64) as usize).map_or(worst, |step| step.0);
     let found =
-        format!("{:.1} % in nine steps of ten, {:.0} % at most, after row {worst}", 100.0 * at(0.9), 100.0 * at(1.0));
-    let state = if at(0.9) > JITTER { State::Note } else { State::Good };
+        format!("{:.1} % in nine steps of ten, {:.0} % at most, after row {row}", 100.0 * nine_of_ten, 100.0 * worst);
+    let state = if nine_of_ten > JITTER { State::Note } else { State::Good };
     let hint = if state == State::Note { "; time stamps of the drive are better than those of the host" } else { "" };
     Check::new(state, "jitter", found + hint)
 }
@@ -120,7 +131,8 @@ fn gaps(recording: &Recording) -> Check {
         Some(first) => {
             let (count, at_s) = (recording.gaps.len(), recording.t_s[*first] - recording.t_s[0]);
             let found = format!(
-                "rows are missing in {count} places, the first after row {}, {at_s:.3} s after the start",
+                "rows are missing in {}, the first after row {}, {at_s:.3} s after the start",
+                places(count),
                 first + 1
             );
             Check::new(State::Note, "gaps", found)
@@ -221,47 +233,4 @@ fn balance(model: Option<&FirstModel>, units: &EffortUnits) -> Check {
     );
     let state = if model.one_way { State::Note } else { State::Good };
     Check::new(state, "excitation", found)
-}
-
-fn skew(delay: Option<(f64, f64)>) -> Check {
-    let Some((delay_s, share)) = delay else {
-        return Check::new(State::Good, "skew", "effort and motion go together");
-    };
-    let message = format!(
-        "with the effort {:.1} ms later {:.0} % less of the balance is left: state torque_delay_s, or the clocks differ",
-        1e3 * delay_s,
-        100.0 * share
-    );
-    Check::new(State::Note, "skew", message)
-}
-
-/// The time, s, by which the effort fits the motion far better if it acts later, and the share that is less of what is left then: a
-/// delay of the drive, or clocks that differ; none where it fits as it is.
-fn delay(recording: &Recording, axis: &Axis, model: &FirstModel, period_s: f64) -> Option<(f64, f64)> {
-    let (windows, length_s) = model.windows;
-    let trusted = |model: &FirstModel| model.inertia.is_known() && model.inertia.value > 0.0 && !model.reversed;
-    if !trusted(model) || model.explained < EXPLAINED_ENOUGH || windows < DELAY_WINDOWS {
-        return None;
-    }
-    let left = |rows: usize| {
-        let shifted = first_model_of(axis, &[shifted(recording, rows)], length_s).filter(trusted);
-        shifted.map_or(f64::INFINITY, |model| model.left)
-    };
-    let most = MOST_DELAY_ROWS.min(recording.rows() / 10).min((MOST_DELAY_S / period_s) as usize);
-    let tried: Vec<usize> = [1, 2, 3, 5, 7, 10, 14, 20, 28, 40].into_iter().filter(|rows| *rows <= most).collect();
-    let best = tried.iter().map(|rows| (*rows, left(*rows))).min_by(|one, other| one.1.total_cmp(&other.1));
-    let (rows, left) = best?;
-    // What is best at the longest shift of all has no best one.
-    let is_a_best = tried.len() == 1 || tried.last() != Some(&rows);
-    let explains = left < (1.0 - DELAY_EXPLAINS) * model.left && is_a_best;
-    explains.then(|| (rows as f64 * period_s, 1.0 - (left / model.left).sqrt()))
-}
-
-/// The effort some rows later.
-fn shifted(recording: &Recording, rows: usize) -> Recording {
-    let mut shifted = recording.clone();
-    shifted.effort_cmd.rotate_right(rows);
-    let first = recording.effort_cmd[0];
-    shifted.effort_cmd[..rows].fill(first);
-    shifted
 }

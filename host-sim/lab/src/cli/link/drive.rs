@@ -97,12 +97,12 @@ impl Drive {
         if stay.autonomous {
             return Ok(());
         }
-        self.beat(stay.for_s)?;
+        self.beat(stay.duration_s)?;
         self.disable()
     }
 
     /// Keeps the link alive for a time, or until Ctrl-C.
-    pub(super) fn beat(&mut self, for_s: Option<Duration>) -> Result<Status, Error> {
+    pub(super) fn beat(&mut self, duration: Option<Duration>) -> Result<Status, Error> {
         let interrupt = Interrupt::watch()?;
         let start = Instant::now();
         loop {
@@ -110,7 +110,7 @@ impl Drive {
             if status.state != RUNNING {
                 return Err(self.refused("the reference is not followed", &status));
             }
-            if interrupt.is_raised() || for_s.is_some_and(|for_s| start.elapsed() >= for_s) {
+            if interrupt.is_raised() || duration.is_some_and(|duration| start.elapsed() >= duration) {
                 return Ok(status);
             }
             // What is recorded comes in meanwhile.
@@ -124,7 +124,7 @@ impl Drive {
         if stay.autonomous {
             return self.tell(Command::Hold { autonomous: true });
         }
-        let status = self.beat(stay.for_s)?;
+        let status = self.beat(stay.duration_s)?;
         let (at, to) = (Counts(status.position).to_rad(), Counts(status.reference).to_rad());
         output::print(&format!("reference {to:.6} rad, position {at:.6} rad\n"))?;
         self.disable()

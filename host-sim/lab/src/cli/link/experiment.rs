@@ -3,11 +3,14 @@
 use er_servo::experiment::{self, Experiment, MAX_TONES};
 
 use crate::Error;
+use crate::cli::examples::link as examples;
+use crate::cli::experiment_flags::refused;
 
 /// What the reference does.
 #[derive(Debug, clap::Subcommand)]
 pub enum Shape {
     /// One step at once.
+    #[command(after_help = examples::STEP)]
     Step {
         /// Height, degrees.
         #[arg(long, default_value_t = 30.0, allow_negative_numbers = true)]
@@ -17,6 +20,7 @@ pub enum Shape {
         duration_s: f32,
     },
     /// A new level within the amplitude after each dwell.
+    #[command(after_help = examples::STEPS)]
     Steps {
         /// Largest level either way, degrees.
         #[arg(long, default_value_t = 30.0)]
@@ -32,6 +36,7 @@ pub enum Shape {
         duration_s: f32,
     },
     /// Equal tones spaced evenly over a band.
+    #[command(after_help = examples::MULTISINE)]
     Multisine {
         /// Bound of the sum either way, degrees.
         #[arg(long, default_value_t = 10.0)]
@@ -50,6 +55,7 @@ pub enum Shape {
         duration_s: f32,
     },
     /// One sine whose frequency runs evenly from one end to the other.
+    #[command(after_help = examples::CHIRP)]
     Chirp {
         /// Amplitude, degrees.
         #[arg(long, default_value_t = 10.0)]
@@ -65,6 +71,7 @@ pub enum Shape {
         duration_s: f32,
     },
     /// To and fro at constant speed.
+    #[command(after_help = examples::RAMP)]
     Ramp {
         /// Speed, rad/s.
         #[arg(long, default_value_t = 1.0)]
@@ -103,7 +110,7 @@ impl Shape {
             }
         };
         let experiment = Experiment { shape, duration_s };
-        experiment.start(period_s).map_err(|error| Error::Usage(crate::simulate::in_degrees(&error)))?;
+        experiment.start(period_s).map_err(|error| refused(&error, &[]))?;
         Ok(experiment)
     }
 }

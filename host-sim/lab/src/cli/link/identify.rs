@@ -18,7 +18,7 @@ pub struct Args {
     #[command(flatten)]
     pub(in crate::cli) travel: Travel,
     /// Folder for the machine file and the recordings; made if it is not there.
-    #[arg(long, value_name = "DIR", default_value = "out/identify")]
+    #[arg(long, short, value_name = "DIR", default_value = "out/identify")]
     out: PathBuf,
     /// Make what was found parameters of the drive, and write them to its flash.
     #[arg(long)]

@@ -64,14 +64,14 @@ fn margins(analysis: &Analysis) -> Section {
         vec![what.to_owned(), value.map_or("none".to_owned(), figure), unit.to_owned()]
     };
     let rows = [
-        row("gain: torque times this loses the loop", gain, "1"),
+        row("gain: torque times this loses the loop", gain, ""),
         row("the same in decibels", gain_db, "dB"),
-        row("lower: so little torque loses the loop", gain_lower, "1"),
+        row("lower: so little torque loses the loop", gain_lower, ""),
         row("phase: so much more lag loses the loop", phase_deg, "degrees"),
         row("its crossover", crossover_rad_s, "rad/s"),
         row("phase: so much lead loses the loop", phase_lead_deg, "degrees"),
         row("delay: so much more loses the loop", delay_s.map(|delay_s| 1e3 * delay_s), "ms"),
-        row("the same over L: L may grow by this factor", delay_factor, "1"),
+        row("the same over L: L may grow by this factor", delay_factor, ""),
     ];
     let caption = "Of the loop opened at the control torque, the damper's own feedback staying closed";
     Section::new("margins", "Margins", plain(caption, &["margin", "value", "unit"], &rows))
@@ -180,8 +180,8 @@ fn loop_of(analysis: &Analysis) -> Section {
         ("delay of the fluid", name(plant.fluid), ""),
         ("K_P", figure(gains.k_p_nm_rad), "N m/rad"),
         ("K_D", figure(gains.k_d_nm_s_rad), "N m s/rad"),
-        ("K_p* = K_P L\u{b2} / J", figure(normalised_gains.kp), "1"),
-        ("K_d* = K_D L / J", figure(normalised_gains.kd), "1"),
+        ("K_p* = K_P L\u{b2} / J", figure(normalised_gains.kp), ""),
+        ("K_d* = K_D L / J", figure(normalised_gains.kd), ""),
     ];
     let rows = rows.map(|(what, value, unit)| vec![what.to_owned(), value, unit.to_owned()]);
     Section::new("loop", "The loop", plain("What was analysed", &["quantity", "value", "unit"], &rows))

@@ -29,7 +29,7 @@ pub(crate) use sections::warnings;
 #[cfg(test)]
 pub(crate) use words::sentence;
 pub(crate) use words::{estimate, interval};
-pub(crate) use words::{measure, number, short};
+pub(crate) use words::{measure, number, p_value, short};
 
 use crate::Error;
 use crate::output::Provenance;

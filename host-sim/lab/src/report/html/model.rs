@@ -3,7 +3,7 @@
 use super::escape::text;
 use super::markup::{Section, table};
 use super::words::{number, title};
-use crate::report::{AlternativeAnswer, AlternativeEffect, Answer, EffectAnswer, Interval, Verdict};
+use crate::report::{AlternativeAnswer, AlternativeEffect, Answer, EffectAnswer, Interval, Verdict, shown};
 
 /// A correlation beyond which two values mostly say what their sum or difference is (Belsley, Kuh and Welsch 1980: a variance
 /// inflation factor of about five).
@@ -80,7 +80,7 @@ fn rows(answer: &Answer, effect: &AlternativeEffect) -> Vec<Vec<String>> {
             format!("<code>{}</code>", text(&value.id)),
             number(value.value, width),
             same.map_or_else(|| "not in it".to_owned(), |own| number(own.value, width)),
-            text(&value.unit),
+            text(shown(&value.unit)),
         ]
     };
     effect.parameters.iter().map(row).collect()

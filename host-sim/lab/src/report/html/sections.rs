@@ -6,7 +6,7 @@ use super::markup::{Section, table};
 use super::words::{estimate, fit_percent, interval, number, p_value, title};
 use super::{MapPlot, PlotData};
 use crate::report::text::{fall, per_cent};
-use crate::report::{Answer, EffectAnswer};
+use crate::report::{Answer, EffectAnswer, shown};
 
 /// Every effect of the best model: what it is, its values, why it is believed.
 pub(super) fn effects(answer: &Answer) -> Option<Section> {
@@ -21,7 +21,7 @@ fn effect(effect: &EffectAnswer) -> String {
     let rows = effect
         .parameters
         .iter()
-        .map(|p| vec![format!("<code>{}</code>", text(&p.id)), estimate(p), interval(p), text(&p.unit)]);
+        .map(|p| vec![format!("<code>{}</code>", text(&p.id)), estimate(p), interval(p), text(shown(&p.unit))]);
     let values =
         table("Values in the improved model", &["parameter", "value", "95 % interval", "unit"], rows.collect());
     let evidence = &effect.evidence;

@@ -1,7 +1,7 @@
 //! The answer in a sentence, and numbers as a reader takes them.
 
 use crate::report::text::{fall, per_cent};
-use crate::report::{Answer, EffectAnswer, Interval, Verdict};
+use crate::report::{Answer, EffectAnswer, Interval, Verdict, shown};
 
 /// The answer in one sentence.
 pub(crate) fn sentence(answer: &Answer) -> String {
@@ -53,7 +53,7 @@ fn named(effect: &EffectAnswer) -> String {
 
 /// A value and its unit, which no line break may part.
 fn with_unit(value: &str, unit: &str) -> String {
-    format!("{value} {unit}").trim_end().replace(' ', "\u{a0}")
+    format!("{value} {}", shown(unit)).trim_end().replace(' ', "\u{a0}")
 }
 
 /// An identifier as words.
@@ -126,7 +126,7 @@ pub(super) fn fit_percent(share: f64) -> String {
 }
 
 /// A p value; what cannot be told from zero is said to be small.
-pub(super) fn p_value(p: f64) -> String {
+pub(crate) fn p_value(p: f64) -> String {
     if p < 1e-12 { "< 1e-12".to_owned() } else { format!("{p:.1e}") }
 }
 
@@ -143,6 +143,11 @@ mod tests {
         assert_eq!((number(-3e-7, 0.22), number(1e-9, 4e-7)), ("0.00".into(), "0".into()));
         assert_eq!(number(2.5e-7, 4e-9), "2.500e-7");
         assert_eq!(number(f64::INFINITY, 1.0), "unbounded");
+    }
+
+    #[test]
+    fn a_plain_number_has_no_unit() {
+        assert_eq!((with_unit("0.966", "1"), with_unit("2.0", "N m")), ("0.966".into(), "2.0\u{a0}N\u{a0}m".into()));
     }
 
     #[test]
