@@ -164,11 +164,12 @@ impl Recording {
             notes.push(format!("{}: the mode `{mode}` commanded, not the flashed law", self.name));
         }
         if !self.gaps.is_empty() {
-            let count = self.gaps.len();
+            let places =
+                if self.gaps.len() == 1 { "1 place".to_owned() } else { format!("{} places", self.gaps.len()) };
             // Time counts from another zero than in the log where that is mapped; rows are the same in both.
             let (row, since_s) = (self.gaps[0] + 1, self.t_s[self.gaps[0]] - self.t_s[0]);
             notes.push(format!(
-                "{}: rows are missing in {count} places, the first after row {row}, {since_s:.3} s after the start",
+                "{}: rows are missing in {places}, the first after row {row}, {since_s:.3} s after the start",
                 self.name
             ));
         }

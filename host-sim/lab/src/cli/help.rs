@@ -8,8 +8,8 @@ use diagnosis::effects::{VOCABULARY, find};
 
 use super::{Cli, Overwrite};
 use crate::read::AxisKind;
-use crate::read::vocabulary::{self, Occurs};
 use crate::read::FORMATS;
+use crate::read::vocabulary::{self, Occurs};
 use crate::{Error, output};
 
 /// Words that `help` explains beside the commands.

@@ -37,12 +37,12 @@ pub struct StabilityArgs {
     /// Delay the normalised gains are scaled with, ms [default: that of the motor system]
     #[arg(long, value_name = "MS")]
     gains_delay_ms: Option<f64>,
-    /// Viscosity Q0 without delay, N m s/rad
-    #[arg(long, default_value_t = 0.2)]
-    q0: f64,
-    /// Viscosity Q1 behind the fluid's delay, N m s/rad
-    #[arg(long, default_value_t = 10.0)]
-    q1: f64,
+    /// Viscosity Q0 without delay, N m s/rad [default: 0.2; 0 of a machine that has no damper, or has it off]
+    #[arg(long)]
+    q0: Option<f64>,
+    /// Viscosity Q1 behind the fluid's delay, N m s/rad [default: 10; 0 of a machine that has no damper, or has it off]
+    #[arg(long)]
+    q1: Option<f64>,
     /// Delay model of the fluid [default: dead-time, or the machine's: the longer of its dead time and lag decides]
     #[arg(long, alias = "model", value_enum)]
     fluid: Option<Model>,
@@ -134,7 +134,10 @@ fn case(args: &StabilityArgs) -> Result<(Loop, Setting), Error> {
         Model::DeadTime => Fluid::DeadTime { l_q_s: field_delay_s },
         Model::Lag => Fluid::Lag { t_q_s: field_delay_s },
     };
-    let plant = Plant { inertia_kg_m2, torque_delay_s, q0_nm_s_rad: args.q0, q1_nm_s_rad: args.q1, fluid };
+    let is_damped = nominal.is_none_or(|plant| plant.er.is_some()) && controller.is_none_or(|one| one.er_enabled);
+    let viscosity = |asked: Option<f64>, of_a_damper: f64| asked.unwrap_or(if is_damped { of_a_damper } else { 0.0 });
+    let (q0_nm_s_rad, q1_nm_s_rad) = (viscosity(args.q0, Q0_NM_S_RAD), viscosity(args.q1, Q1_NM_S_RAD));
+    let plant = Plant { inertia_kg_m2, torque_delay_s, q0_nm_s_rad, q1_nm_s_rad, fluid };
     let closed = Loop::new(plant, gains(args, &plant, controller.as_ref())).map_err(usage)?;
     let control = controller.unwrap_or_default();
     let coulomb_nm = nominal.map_or(f64::from(control.er_c_nm), |p| p.coulomb);
@@ -180,6 +183,9 @@ fn gains(args: &StabilityArgs, plant: &Plant, controller: Option<&Config>) -> Ga
     }
 }
 
+/// Q0 and Q1 of the specification's point (control.md section 6), N m s/rad.
+const Q0_NM_S_RAD: f64 = 0.2;
+const Q1_NM_S_RAD: f64 = 10.0;
 /// Delay of the fluid in section V, s.
 const FLUID_DELAY_S: f64 = 5e-3;
 /// L of the specification, s.

@@ -65,7 +65,7 @@ fn lost_frames_are_gaps_in_a_recording_that_still_replays() {
         let summary = String::from_utf8_lossy(&output.stderr);
         assert!(summary.contains("7 lost in 1 gaps, 0 damaged messages"), "{command}: {summary}");
         let replayed = printed(folder.path(), "replay rec.csv");
-        assert!(replayed.contains("rows are missing in 1 places") && replayed.contains("identical"), "{replayed}");
+        assert!(replayed.contains("rows are missing in 1 place") && replayed.contains("identical"), "{replayed}");
     }
 }
 

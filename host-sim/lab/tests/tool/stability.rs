@@ -43,6 +43,27 @@ fn delays_of_a_machine_file_count_from_its_outputs() {
 }
 
 #[test]
+fn a_machine_without_a_damper_has_no_viscosity_of_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("m.toml");
+    let machine = "schema = 1\nname = \"drive\"\n[axis]\nkind = \"rotary\"\nsample_period_s = 5e-4\nresolution = 1e-5\n\
+                   [plant]\ninertia = 0.075\ntorque_delay_s = 0.005\n";
+    let damper = "[plant.er]\na = 0.07\nb = 0.47\ndead_time_s = 0.005\n";
+    let gain_margin = |machine: &str| {
+        std::fs::write(&file, machine).unwrap();
+        let output = stability(&["--machine", file.to_str().unwrap(), "--json", "-"]);
+        let answer: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        answer["margins"]["gain"].as_f64().unwrap()
+    };
+    // 3.11 without viscosity (control.md).
+    let off = format!("{machine}{damper}[controller]\ner_enabled = false\n");
+    for without in [machine, &off] {
+        assert!((gain_margin(without) / 3.11 - 1.0).abs() < 0.01, "{}", gain_margin(without));
+    }
+    assert!(gain_margin(&format!("{machine}{damper}")) < 2.5);
+}
+
+#[test]
 fn the_figure_and_the_file_are_written_whole() {
     let folder = tempfile::tempdir().unwrap();
     let (figure, json) = (folder.path().join("fig9.svg"), folder.path().join("answer.json"));

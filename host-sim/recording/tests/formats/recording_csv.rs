@@ -61,7 +61,7 @@ fn unknown_columns_and_gaps_are_reported() {
         recording.notes(),
         [
             "a.csv: column `torque_mes_nm` is not one of the format and is not used; is `torque_meas_nm` meant?",
-            "a.csv: rows are missing in 1 places, the first after row 2, 1.000 s after the start"
+            "a.csv: rows are missing in 1 place, the first after row 2, 1.000 s after the start"
         ]
     );
 }

@@ -21,6 +21,12 @@ fn digits(value: f64) -> String {
     format!("{rounded:?}")
 }
 
+/// Half the width of an interval: two digits, as everywhere.
+fn width(within: f64) -> String {
+    let rounded: f64 = format!("{within:.1e}").parse().unwrap_or(within);
+    format!("{rounded:?}")
+}
+
 /// One setting of the machine file: key, value, comment.
 struct Line {
     key: &'static str,
@@ -84,7 +90,7 @@ fn axis(findings: &Findings<'_>) -> [Line; 2] {
 
 fn interval(value: Value, unit: &str) -> String {
     let unsure = if value.is_known() { "" } else { "UNSURE: " };
-    format!("{unsure}{unit}, +- {} (95 %)", digits(value.within))
+    format!("{unsure}{unit}, +- {} (95 %)", width(value.within))
 }
 
 fn effort_units(findings: &Findings<'_>) -> EffortUnits {
@@ -103,7 +109,7 @@ fn plant(findings: &Findings<'_>) -> Vec<Line> {
         }
         // Friction that drives is none.
         let negative = value.value + value.within <= 0.0 && key != "torque_offset";
-        let fitted = format!("fitted {} +- {}", digits(value.value), digits(value.within));
+        let fitted = format!("fitted {} +- {}", digits(value.value), width(value.within));
         let comment = match value.within.is_finite() {
             _ if negative => format!("{unit}; {fitted}, which none is"),
             true => format!("UNSURE: {unit}; {fitted}, so the logs do not tell it: left out"),
@@ -129,7 +135,7 @@ fn plant(findings: &Findings<'_>) -> Vec<Line> {
 fn inertia_line(model: &FirstModel, unit: &str) -> Line {
     let value = model.inertia;
     if value.value > 0.0 && model.explained < EXPLAINED_ENOUGH {
-        let comment = format!("UNSURE: {unit}, +- {} (95 %) if the rest were right", digits(value.within));
+        let comment = format!("UNSURE: {unit}, +- {} (95 %) if the rest were right", width(value.within));
         return Line { key: "inertia", value: digits(value.value), comment };
     }
     if value.value > 0.0 {
