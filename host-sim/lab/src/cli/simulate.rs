@@ -197,11 +197,6 @@ impl Args {
         let period_s = period_s(&config);
         let damper = setup.model.er.as_ref().map(plant::Er::acting);
         let mode = self.mode.as_deref().and_then(beyond::find);
-        if mode.is_some() && !beyond::is_told(&setup.model) {
-            eprintln!(
-                "warning: --mode knows the rotor, friction, damper and delays of the paper's machine, and this is another one"
-            );
-        }
         if let Reference::Experiment(experiment) = &scenario.reference {
             experiment.start(period_s as f32).map_err(|error| refused(&error, FLAGS))?;
         }
@@ -211,6 +206,11 @@ impl Args {
             Some(mode) => beyond::run(mode, &setup, reference)
                 .map_err(|error| Error::Usage(format!("--mode {}: {error}", mode.key)))?,
         };
+        if mode.is_some() && !beyond::is_told(&setup.model) {
+            eprintln!(
+                "warning: --mode knows the rotor, friction, damper and delays of the paper's machine, and this is another one"
+            );
+        }
         Ok(Simulated { rows, period_s, damper, mode })
     }
 
