@@ -53,9 +53,9 @@ pub use machine::{Axis, AxisKind, EffectEntry, ErElectrode, ErFluid, ErNominal, 
 pub use map_flag::MapFlag;
 pub use mapping::{MappedColumn, Mapping};
 pub use mode::Mode;
-pub use nearest::nearest;
+pub use nearest::{misspelt, nearest};
 pub use position_step::position_step;
-pub use recording::{BESIDE_THE_LAW, Cells, Recording};
+pub use recording::{BESIDE_THE_LAW, Cells, Recording, places};
 pub use table::Table;
 pub use values::Cell;
 pub use wrap::{Wrap, wrap};

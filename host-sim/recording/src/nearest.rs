@@ -6,7 +6,7 @@ pub fn nearest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) ->
 }
 
 /// The candidate `word` is probably a misspelling of: at most four letters in ten differ.
-pub(crate) fn misspelt<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+pub fn misspelt<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     scored(word, candidates).filter(|(likeness, _)| *likeness >= 0.6).map(|(_, candidate)| candidate)
 }
 

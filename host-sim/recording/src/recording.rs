@@ -164,13 +164,12 @@ impl Recording {
             notes.push(format!("{}: the mode `{mode}` commanded, not the flashed law", self.name));
         }
         if !self.gaps.is_empty() {
-            let places =
-                if self.gaps.len() == 1 { "1 place".to_owned() } else { format!("{} places", self.gaps.len()) };
             // Time counts from another zero than in the log where that is mapped; rows are the same in both.
             let (row, since_s) = (self.gaps[0] + 1, self.t_s[self.gaps[0]] - self.t_s[0]);
             notes.push(format!(
-                "{}: rows are missing in {places}, the first after row {row}, {since_s:.3} s after the start",
-                self.name
+                "{}: rows are missing in {}, the first after row {row}, {since_s:.3} s after the start",
+                self.name,
+                places(self.gaps.len())
             ));
         }
         notes
@@ -242,4 +241,9 @@ impl Recording {
             },
         }
     }
+}
+
+/// So many places, as a text has them.
+pub fn places(count: usize) -> String {
+    format!("{count} place{}", if count == 1 { "" } else { "s" })
 }

@@ -8,16 +8,14 @@ use diagnosis::effects::{VOCABULARY, find};
 
 use super::{Cli, Overwrite};
 use crate::read::AxisKind;
-use crate::read::FORMATS;
 use crate::read::vocabulary::{self, Occurs};
+use crate::read::{FORMATS, misspelt};
 use crate::{Error, output};
 
 /// Words that `help` explains beside the commands.
 const TOPICS: &[&str] = &["effects", "formats"];
 /// What is said of a word that is neither.
 const NONE: &str = "there is no command and no topic";
-/// Of a misspelt word at most four letters in ten differ.
-const ALIKE: f64 = 0.6;
 
 /// Flags of `help`.
 #[derive(Debug, clap::Args)]
@@ -89,10 +87,8 @@ fn help_of(command: &mut clap::Command, path: &[String], topics: &[&str]) -> Res
 fn instead(word: &str, commands: &[String], topics: &[&str]) -> String {
     let effects = VOCABULARY.iter().map(|effect| effect.id).filter(|_| !topics.is_empty());
     let all = commands.iter().map(String::as_str).chain(topics.iter().copied());
-    let likeness = |known: &str| strsim::normalized_damerau_levenshtein(&word.to_lowercase(), known);
-    let scored = all.clone().chain(effects).map(|known| (likeness(known), known));
-    match scored.max_by(|one, other| one.0.total_cmp(&other.0)) {
-        Some((score, near)) if score >= ALIKE => format!("is `{near}` meant?"),
+    match misspelt(word, all.clone().chain(effects)) {
+        Some(near) => format!("is `{near}` meant?"),
         _ if commands.is_empty() => "it has none".to_owned(),
         _ if topics.is_empty() => format!("there are {}", all.collect::<Vec<_>>().join(", ")),
         _ => format!("there are {}; and each effect that `help effects` lists", all.collect::<Vec<_>>().join(", ")),

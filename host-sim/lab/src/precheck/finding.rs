@@ -2,8 +2,7 @@
 
 use std::fmt::{Display, Formatter};
 
-use super::places;
-use crate::read::{AxisKind, Column};
+use crate::read::{AxisKind, Column, places};
 use crate::report::Units;
 
 /// Whether anything can be computed.

@@ -53,11 +53,6 @@ pub(crate) fn wrong_rate(period_s: f64) -> Option<String> {
     wrong.then(|| format!("too slow for any window of a motion: log at {least_hz:.0} Hz or more"))
 }
 
-/// So many places, as a text has them.
-pub(crate) fn places(count: usize) -> String {
-    format!("{count} place{}", if count == 1 { "" } else { "s" })
-}
-
 /// Largest value of a column in its unit: doubles hold whole numbers up to 9e15, and beyond no motion can be told from rounding.
 const LARGEST: f64 = 1e15;
 /// A period this many times another is of another unit; decimation and a slower log are not.

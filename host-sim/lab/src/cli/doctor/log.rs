@@ -10,8 +10,8 @@ use crate::cli::effort_units::EffortUnits;
 use crate::cli::velocity_check::{WrongVelocity, wrong_velocity};
 use crate::first_model::{FirstModel, first_model};
 use crate::precheck::windows::median_period_s;
-use crate::precheck::{Purpose, places, wrong_rate};
-use crate::read::{Axis, Column, Given, Machine, Mapping, Recording, Table, guess, position_step, wrap};
+use crate::precheck::{Purpose, wrong_rate};
+use crate::read::{Axis, Column, Given, Machine, Mapping, Recording, Table, guess, places, position_step, wrap};
 use crate::report::Units;
 
 /// Steps of time further from the median than this share of it make windows uneven; the model follows them all the same.
