@@ -165,10 +165,11 @@ mod terminal {
         let rows = "m.toml,run.csv\n".repeat(3);
         std::fs::write(folder.path().join("list.csv"), format!("machine,recordings\n{rows}")).unwrap();
         let fleet = ["fleet", "list.csv", "-o", "fleet.parquet", "--jobs", "1"];
-        let guide = ["guide", "--only", "coulomb_friction,backlash"];
+        let guide = ["guide", "--only", "coulomb_friction,backlash,compliance"];
         for (words, says) in [
-            (&fleet[..], ["fleet, rows diagnosed: 0 of 3", "of 3, "]),
-            (&guide, ["field guide, effects: 0 of 2", "of 2, "]),
+            (&fleet[..], ["fleet, rows diagnosed: ", " of 3, "]),
+            // How many are done when the line comes, after its first second, is a matter of the machine's speed.
+            (&guide, ["field guide, effects: ", " of 3, "]),
         ] {
             let (text, first) = shown(folder.path(), words, Terminal::Error, &[], "gone");
             println!("first after {first:?} s:\n{text}");
