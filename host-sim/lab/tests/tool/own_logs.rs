@@ -11,7 +11,7 @@ use std::path::Path;
 use assert_cmd::Command;
 use files::{csv, write_mat, write_mcap};
 use lab::read::{AxisKind, Machine};
-use machine::{cogging_joint, pushed_pendulum, sprung_axis};
+use machine::{cogging_joint, commanded_pendulum, pushed_pendulum, sprung_axis};
 use serde_json::Value;
 
 /// Runs `servo-lab` in a folder; what it prints.
@@ -148,6 +148,22 @@ fn a_linear_axis_in_mat() {
     answers(folder.path(), "axis.mat");
     let answer = diagnosed(folder.path(), "axis.mat");
     near(value(&answer, "spring_load", "stiffness_n_m"), 150.0, 0.05, "spring, N/m");
+}
+
+/// Half a row between commands that are held and samples of what acts is a viscous friction or a skew of the channels to a model that
+/// reads them the other way.
+#[test]
+#[cfg_attr(debug_assertions, ignore = "a minute without optimisation; the tests in release run it")]
+fn commands_that_are_held_from_row_to_row() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("log.csv"), csv(&commanded_pendulum())).unwrap();
+    lab(folder.path(), &["init", "log.csv", "--map", "torque=Motor Current [A]:A*0.12"]);
+    let machine = Machine::read(&folder.path().join("machine.toml")).unwrap();
+    near(machine.plant.viscous, 0.006, 0.03, "viscosity of init, N m s/rad");
+    let answer = diagnosed(folder.path(), "log.csv");
+    for effect in answer["effects"].as_array().unwrap() {
+        assert!(effect["id"] != "channel_skew" && effect["id"] != "resolver_eccentricity", "{effect:#}");
+    }
 }
 
 /// The second thing that is named there is not there: what `init` rounds of the weight, 1 mN m of 1.5 N m, is no value that the

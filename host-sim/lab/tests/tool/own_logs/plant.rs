@@ -15,6 +15,13 @@ pub fn pushed_pendulum(steps_per_deg: f64) -> Vec<[f64; 3]> {
     run(&model, [9.0, 0.8, 1.2], 0.002, 1.0_f64.to_radians() / steps_per_deg)
 }
 
+/// A small pendulum, 0.15 N m level, whose drive has no delay and holds each command of the log for 2 ms, without noise.
+pub fn commanded_pendulum() -> Vec<[f64; 3]> {
+    let gravity = Some(Gravity { amplitude: 0.15, phase_rad: 0.0 });
+    let model = Model { coulomb: 0.03, viscous: 0.006, gravity, ..Model::new(0.004) };
+    follow(&model, [3.0, 0.12, 0.6], 0.002, std::f64::consts::TAU / 8192.0, ROUNDS)
+}
+
 /// A joint that cogs ten times a turn by 0.2 N m, logged every `period_s`.
 pub fn cogging_joint(period_s: f64) -> Vec<[f64; 3]> {
     let cogging = vec![Harmonic { amplitude: 0.2, order: 10.0, phase_rad: 0.5 }];
@@ -31,24 +38,38 @@ pub fn sprung_axis(period_s: f64) -> Vec<[f64; 3]> {
 /// Rounds of the drive's loop for each row of the log.
 const ROUNDS: u32 = 20;
 
-/// Time, position and effort of a machine under a spring and a damper that follow two sines. The drive's loop runs faster than
-/// the log, so the effort is a sample of what acts; it is read with a noise of 0.2 % of its largest.
-fn run(model: &Model, [stiffness, damping, amplitude]: [f64; 3], period_s: f64, step: f64) -> Vec<[f64; 3]> {
+/// The log of a machine whose drive's loop runs faster than the log, so that the effort is a sample of what acts; it is read with a
+/// noise of 0.2 % of its largest.
+fn run(model: &Model, gains: [f64; 3], period_s: f64, step: f64) -> Vec<[f64; 3]> {
+    let mut rows = follow(model, gains, period_s, step, 1);
+    let largest = rows.iter().map(|row| row[2].abs()).fold(0.0, f64::max);
+    let noise = Normal::new(0.0, 0.002 * largest).unwrap();
+    let mut random = StdRng::seed_from_u64(7);
+    rows.iter_mut().for_each(|row| row[2] += noise.sample(&mut random));
+    rows
+}
+
+/// Time, position and effort of a machine under a spring and a damper that follow two sines; the effort is held for so many rounds.
+fn follow(
+    model: &Model,
+    [stiffness, damping, amplitude]: [f64; 3],
+    period_s: f64,
+    step: f64,
+    held: u32,
+) -> Vec<[f64; 3]> {
     let mut plant = Plant::new(model, State::default(), 0.0).unwrap();
-    let mut rows = Vec::new();
+    let (mut rows, mut effort) = (Vec::new(), 0.0);
     for round in 0..ROUNDS * (8.0 / period_s) as u32 {
         let t_s = f64::from(round) * period_s / f64::from(ROUNDS);
-        let reference = amplitude * ((3.1 * t_s).sin() + 0.4 * (14.0 * t_s).sin());
         let state = plant.state();
-        let effort = stiffness * (reference - state.position) - damping * state.velocity;
+        if round % held == 0 {
+            let reference = amplitude * ((3.1 * t_s).sin() + 0.4 * (14.0 * t_s).sin());
+            effort = stiffness * (reference - state.position) - damping * state.velocity;
+        }
         if round % ROUNDS == 0 {
             rows.push([t_s, (state.position / step).round() * step, effort]);
         }
         plant.advance(&Effort::new(effort, 0.0), t_s + period_s / f64::from(ROUNDS)).unwrap();
     }
-    let largest = rows.iter().map(|row| row[2].abs()).fold(0.0, f64::max);
-    let noise = Normal::new(0.0, 0.002 * largest).unwrap();
-    let mut random = StdRng::seed_from_u64(7);
-    rows.iter_mut().for_each(|row| row[2] += noise.sample(&mut random));
     rows
 }
