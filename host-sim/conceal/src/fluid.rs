@@ -96,8 +96,13 @@ impl Fluid {
                     Channels::Lags([of_viscosity, of_brake]) => [of_viscosity.pass(viscosity), of_brake.pass(brake_nm)],
                     Channels::Field { .. } => [0.0, 0.0],
                 };
-                let limit_nm = share * self.torque_nm(self.law.viscous_limit_kv_mm);
-                Drag { level_nm: share * brake_nm, viscosity_nm_s_rad: share * viscosity, viscous_limit_nm: limit_nm }
+                // One gap has both: what brakes leaves so much to the viscosity.
+                let limit_nm = (self.torque_nm(self.law.viscous_limit_kv_mm) - brake_nm).max(0.0);
+                Drag {
+                    level_nm: share * brake_nm,
+                    viscosity_nm_s_rad: share * viscosity,
+                    viscous_limit_nm: share * limit_nm,
+                }
             }
         };
         self.heat(drag.level_nm, speed_rad_s);

@@ -98,14 +98,14 @@ pub enum FluidResponse {
     ViscosityDeadTime {
         /// L_Q, s.
         dead_time_s: f64,
-        /// Largest drag Q |w| the fluid gives, N m (N); infinite for none.
+        /// Largest drag the fluid gives, Q |w| and the brake's together, N m (N); infinite for none.
         torque_limit: f64,
     },
     /// As above with a first-order lag in place of the dead time.
     ViscosityLag {
         /// T_Q, s.
         lag_s: f64,
-        /// Largest drag Q |w| the fluid gives, N m (N); infinite for none.
+        /// Largest drag the fluid gives, Q |w| and the brake's together, N m (N); infinite for none.
         torque_limit: f64,
     },
 }

@@ -2,6 +2,7 @@
 
 use crate::actuation::Actuation;
 use crate::er_fluid::FlowCurve;
+use crate::mechanics::room;
 use crate::{Command, Er, Error, FluidResponse, Mechanics, Model, Segment, State};
 
 /// Actuation and mechanics together, one command at a time.
@@ -95,7 +96,8 @@ impl Plant {
             }
             FluidResponse::ViscosityDeadTime { torque_limit, .. }
             | FluidResponse::ViscosityLag { torque_limit, .. } => {
-                (fluid * self.state.velocity.abs()).min(torque_limit) + segment.brake_torque.at(dt_s)
+                let brake = segment.brake_torque.at(dt_s);
+                brake + (fluid * self.state.velocity.abs()).min(room(torque_limit, brake))
             }
         }
     }

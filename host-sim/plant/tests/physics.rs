@@ -5,7 +5,7 @@ mod common;
 
 use common::{TICK_S, energy, every_effect, nominal};
 use plant::effects::{Gravity, Shaft, Stribeck};
-use plant::{Command, Er, Model, Plant, State};
+use plant::{Command, Er, FluidResponse, Model, Plant, State};
 use proptest::prelude::*;
 
 /// Effects that take energy or store it; excitations from outside are left out.
@@ -226,4 +226,29 @@ fn a_loaded_fluid_that_the_field_lets_go_of_in_a_reversal_does_not_stall() {
         last = plant.state().velocity;
     }
     assert!(segments == 8000 && reversals > 100, "{reversals}");
+}
+
+#[test]
+fn a_brake_beside_a_delayed_viscosity_is_one_fluid_with_one_limit() {
+    // Q = 40 N m s/rad at 20 rad/s is far beyond the limit, and the brake comes while it is still there: the drag stays at what
+    // 3.5 kV/mm gives, and the rotor slows by it alone.
+    let torque_limit = Er::largest_torque(0.0704, 0.470);
+    for response in [
+        FluidResponse::ViscosityLag { lag_s: 0.005, torque_limit },
+        FluidResponse::ViscosityDeadTime { dead_time_s: 0.005, torque_limit },
+    ] {
+        let model = Model { er: Some(Er { response, ..Er::new(0.0704, 0.470, 0.0, 0.0) }), ..Model::new(0.075) };
+        let mut plant = Plant::new(&model, State::new(0.0, 20.0), 0.0).unwrap();
+        let damping = Command { viscosity: Some(40.0), ..Command::new(0.0, 3.5) };
+        plant.advance(&damping, 0.05).unwrap();
+        let before = plant.state().velocity;
+        let brake = Command { braking: true, ..Command::new(0.0, 3.5) };
+        for tick in 1..=400 {
+            plant.advance(&brake, 0.05 + f64::from(tick) * 5e-4).unwrap();
+            let torque = plant.er_torque();
+            assert!(torque <= torque_limit * (1.0 + 1e-12), "{response:?} {tick}: {torque}");
+        }
+        let slowed = before - plant.state().velocity;
+        assert!((slowed - torque_limit * 0.2 / 0.075).abs() < 1e-6, "{response:?}: {slowed}");
+    }
 }

@@ -44,7 +44,7 @@ pub(crate) struct Laws {
     pub(super) friction_warming: Option<(Warming, usize)>,
     /// The same of the fluid.
     fluid_warming: Option<(Warming, usize)>,
-    /// Limit of the fluid's viscous torque, N m.
+    /// Limit of the fluid's torque, of viscosity and brake together, N m.
     viscous_limit: f64,
     /// The fluid's flow on top of its yield.
     flow: Option<FlowCurve>,
@@ -237,8 +237,9 @@ impl Laws {
         let warm = share * self.friction.viscous(sign);
         let (mut viscous, mut level) = (warm, 0.0);
         if fluid_viscosity > 0.0 {
-            if fluid_viscosity * w.abs() > self.viscous_limit {
-                level += self.viscous_limit;
+            let room = (self.viscous_limit - fluid_level).max(0.0);
+            if fluid_viscosity * w.abs() > room {
+                level += room;
             } else {
                 viscous += fluid_viscosity;
             }

@@ -4,7 +4,7 @@
 //! Squaring the field gives three exponentials, and each of them integrates to [`moments`].
 
 use super::events::{Balance, Flow};
-use super::fluid::{FluidInput, FluidLaw, FluidRegime};
+use super::fluid::{FluidInput, FluidLaw, FluidRegime, room};
 use super::phi::{field_moments, moments};
 use super::series::Push;
 use super::state::State;
@@ -108,11 +108,11 @@ impl Exact {
                 Drag { level: level + (a * e + b) * e, linear: (2.0 * a * e + b) * d, square: a * d * d, viscous }
             }
             FluidLaw::Viscosity { torque_limit } => {
-                let dry = level + segment.brake_torque.at(t);
+                let brake = segment.brake_torque.at(t);
                 let (level, viscous) = if regime == FluidRegime::Limited {
-                    (dry + torque_limit, viscous)
+                    (level + brake + room(torque_limit, brake), viscous)
                 } else {
-                    (dry, viscous + segment.fluid.at(t))
+                    (level + brake, viscous + segment.fluid.at(t))
                 };
                 Drag { level, linear: 0.0, square: 0.0, viscous }
             }
@@ -134,7 +134,7 @@ impl Exact {
     }
 
     fn fluid_input(&self, segment: &Segment, t: f64) -> FluidInput {
-        FluidInput { viscosity: segment.fluid.at(t), ..FluidInput::default() }
+        FluidInput { level: segment.brake_torque.at(t), viscosity: segment.fluid.at(t), ..FluidInput::default() }
     }
 }
 

@@ -12,6 +12,14 @@ const SLOWEST_RAD_S: f64 = 0.002;
 /// The fastest time constant of a viscosity that is followed, s: shorter than that of the other laws, for at rest the
 /// coefficient of a usual fluid on a usual rotor has 60 us.
 const FASTEST_VISCOSITY_S: f64 = 1e-5;
+/// Part of the limit of a viscosity within which its regime stays as it is: a brake that takes the whole limit leaves nothing but
+/// rounding, 1e-16 of it, to tell the regimes by.
+const EDGE: f64 = 1e-12;
+
+/// What a brake of `level` leaves of the limit of the fluid's torque to its viscosity, N m (N): one gap has both.
+pub(crate) fn room(torque_limit: f64, level: f64) -> f64 {
+    (torque_limit - level).max(0.0)
+}
 
 /// Which side of its kinks the fluid is on; part of [`State`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -34,7 +42,7 @@ pub(crate) enum FluidLaw {
     Spring { a: f64, b: f64, stiffness: f64 },
     /// Drag a E^2 + b E and a flow curve on top of it.
     Flowing { a: f64, b: f64, curve: FlowCurve },
-    /// Drag Q |w|, limited.
+    /// Drag Q |w|, with the brake's limited to this.
     Viscosity { torque_limit: f64 },
 }
 
@@ -105,7 +113,7 @@ impl FluidLaw {
         match *self {
             FluidLaw::Field { .. } | FluidLaw::Flowing { .. } => {}
             FluidLaw::Viscosity { torque_limit } => {
-                let limited = input.viscosity * x.velocity.abs() > torque_limit;
+                let limited = input.viscosity * x.velocity.abs() > room(torque_limit, input.level);
                 x.fluid_regime = if limited { FluidRegime::Limited } else { FluidRegime::Free };
             }
             FluidLaw::Spring { stiffness, .. } => {
@@ -130,10 +138,10 @@ impl FluidLaw {
         match (*self, x.fluid_regime) {
             (FluidLaw::Field { .. } | FluidLaw::Flowing { .. }, _) => f64::INFINITY,
             (FluidLaw::Viscosity { torque_limit }, _) if torque_limit.is_infinite() => f64::INFINITY,
-            (FluidLaw::Viscosity { torque_limit }, FluidRegime::Free) => {
-                torque_limit - input.viscosity * x.velocity.abs()
+            (FluidLaw::Viscosity { torque_limit }, regime) => {
+                let beyond = input.viscosity * x.velocity.abs() - room(torque_limit, input.level);
+                EDGE * torque_limit + if regime == FluidRegime::Free { -beyond } else { beyond }
             }
-            (FluidLaw::Viscosity { torque_limit }, _) => input.viscosity * x.velocity.abs() - torque_limit,
             (FluidLaw::Spring { .. }, _) if x.motion.sign() == 0.0 => f64::INFINITY,
             (FluidLaw::Spring { .. }, FluidRegime::Free) => input.yield_torque - x.spring_torque.abs(),
             (FluidLaw::Spring { stiffness, .. }, FluidRegime::Limited) => {
@@ -175,7 +183,7 @@ impl FluidLaw {
             FluidLaw::Flowing { curve, .. } => dry + curve.torque(input.consistency, w),
             FluidLaw::Spring { .. } => self.spring(input, x, travel),
             FluidLaw::Viscosity { torque_limit } if x.fluid_regime == FluidRegime::Limited => {
-                dry + x.motion.sign() * torque_limit
+                dry + x.motion.sign() * room(torque_limit, input.level)
             }
             FluidLaw::Viscosity { .. } => dry + input.viscosity * w,
         }
