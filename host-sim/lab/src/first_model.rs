@@ -27,6 +27,8 @@ const GRAVITY_TRAVEL_RAD: f64 = 0.5;
 /// Two standard errors of windows that overlap by half: 95 %.
 const INTERVAL: f64 = 2.0 * std::f64::consts::SQRT_2;
 
+/// Below this explained share of the effort half of it is something else.
+const EXPLAINED_ENOUGH: f64 = 0.5;
 /// A log moves in one direction only where fewer of its windows than this share go the other way.
 const OTHER_WAY: f64 = 0.02;
 
@@ -74,6 +76,13 @@ pub struct FirstModel {
     pub reversed: bool,
     /// Whether the motion is in one direction only: friction and offset cannot be told apart.
     pub one_way: bool,
+}
+
+impl FirstModel {
+    /// Whether it explains enough of the effort to go by.
+    pub fn is_trusted(&self) -> bool {
+        self.explained >= EXPLAINED_ENOUGH
+    }
 }
 
 /// Terms of the balance beside the inertia, as [`Window::others`] has them.

@@ -68,8 +68,7 @@ fn fill(values: &mut Values, column: &HeaderColumn, given: InMemory<'_>) -> Resu
     let mut row = 0_usize;
     for cell in given.cells {
         row += 1;
-        let cell = cell.and_then(|cell| cell.ok_or_else(|| "the cell is empty".to_owned()));
-        cell.and_then(|cell| values.push_cell(cell))
+        cell.and_then(|cell| values.push_given(cell))
             .and_then(|()| values.check_last(column.role.column()))
             .map_err(|message| Complaint::new(&column.name, format!("row {row}: {message}")))?;
     }

@@ -53,7 +53,7 @@ pub use machine::{Axis, AxisKind, EffectEntry, ErElectrode, ErFluid, ErNominal, 
 pub use map_flag::MapFlag;
 pub use mapping::{MappedColumn, Mapping};
 pub use mode::Mode;
-pub use nearest::{misspelt, nearest};
+pub use nearest::misspelt;
 pub use position_step::position_step;
 pub use recording::{BESIDE_THE_LAW, Cells, Recording, places};
 pub use table::Table;

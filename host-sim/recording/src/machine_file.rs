@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::controller::controller_config;
-use super::nearest::{nearest, quoted};
+use super::nearest::{misspelt, quoted};
 use super::toml_section::{Section, Source};
 use super::vocabulary::{self, Allowed, EffectKind, Occurs};
 use super::{Axis, AxisKind, EffectEntry, ErElectrode, ErFluid, ErNominal, Machine, Mapping, PlantNominal};
@@ -183,7 +183,7 @@ fn excludes(earlier: &EffectEntry, entry: &EffectEntry) -> bool {
 fn effect(section: &Section<'_, '_>, axis: AxisKind) -> Result<EffectEntry, Error> {
     let (id, span) = section.required_text("id", "the identifier of an effect, in quotes")?;
     let Some(kind) = vocabulary::effect(id) else {
-        let message = match nearest(id, vocabulary::EFFECTS.iter().map(|effect| effect.id)) {
+        let message = match misspelt(id, vocabulary::EFFECTS.iter().map(|effect| effect.id)) {
             _ if id == vocabulary::CONTROLLER => "`controller` is a finding, not a part of a model".to_owned(),
             Some(near) => format!("{} is not an effect; the nearest is `{near}`", quoted(id)),
             None => format!("{} is not an effect", quoted(id)),

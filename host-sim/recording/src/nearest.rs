@@ -1,13 +1,10 @@
 //! The nearest known word, for messages about a key or a column that is not one.
 
-/// The candidate that most resembles `word`; none only where there are no candidates.
-pub fn nearest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
-    scored(word, candidates).map(|(_, candidate)| candidate)
-}
-
 /// The candidate `word` is probably a misspelling of: at most four letters in ten differ.
 pub fn misspelt<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
-    scored(word, candidates).filter(|(likeness, _)| *likeness >= 0.6).map(|(_, candidate)| candidate)
+    let scored = candidates.into_iter().map(|candidate| (likeness(word, candidate), candidate));
+    let nearest = scored.max_by(|one, other| one.0.total_cmp(&other.0));
+    nearest.filter(|(likeness, _)| *likeness >= 0.6).map(|(_, candidate)| candidate)
 }
 
 /// How alike two words are, 0 to 1, whatever the case of the first.
@@ -15,11 +12,6 @@ pub(crate) fn likeness(word: &str, candidate: &str) -> f64 {
     // Comparing is quadratic in the length; no known word is longer than this, and a corrupt file may hold a huge one.
     let word: String = word.chars().take(64).collect::<String>().to_lowercase();
     strsim::normalized_damerau_levenshtein(&word, candidate)
-}
-
-fn scored<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<(f64, &'a str)> {
-    let scored = candidates.into_iter().map(|candidate| (likeness(word, candidate), candidate));
-    scored.max_by(|one, other| one.0.total_cmp(&other.0))
 }
 
 /// A piece of the user's input as a message quotes it: one line, at most 40 characters.
@@ -41,6 +33,6 @@ mod tests {
         assert_eq!(misspelt("positon_rad", known), Some("position_rad"));
         assert_eq!(misspelt("torque_nm", known), Some("torque_cmd_nm"));
         assert_eq!(misspelt("humidity", known), None);
-        assert_eq!(nearest("inertai", ["inertia", "coulomb"]), Some("inertia"));
+        assert_eq!(misspelt("inertai", ["inertia", "coulomb"]), Some("inertia"));
     }
 }

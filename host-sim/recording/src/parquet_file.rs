@@ -60,9 +60,7 @@ fn read_columns(input: impl ChunkReader + 'static, wanted: Wanted<'_>) -> Result
             let mut row = rows_before;
             decode::each_cell(group.as_ref(), index, rows, |cell| {
                 row += 1;
-                let cell = cell.ok_or_else(|| "the cell is empty".to_owned());
-                let pushed =
-                    cell.and_then(|cell| values.push_cell(cell)).and_then(|()| values.check_last(column.role.column()));
+                let pushed = values.push_given(cell).and_then(|()| values.check_last(column.role.column()));
                 pushed.map_err(|message| Complaint::new(&column.name, format!("row {row}: {message}")))
             })?;
         }

@@ -71,6 +71,18 @@ impl Values {
         Ok(())
     }
 
+    /// The same of a cell that may be null, which only a column that is not of the format can have.
+    pub(crate) fn push_given(&mut self, cell: Option<Cell>) -> Result<(), String> {
+        match (self, cell) {
+            (values, Some(cell)) => values.push_cell(cell),
+            (Self::Text(values), None) => {
+                values.push(String::new());
+                Ok(())
+            }
+            (_, None) => Err("the cell is empty".to_owned()),
+        }
+    }
+
     /// Whether the last cell may follow the one before it: time and sequence numbers rise.
     pub(crate) fn check_last(&self, column: Option<Column>) -> Result<(), String> {
         match (column, self) {

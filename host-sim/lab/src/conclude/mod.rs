@@ -26,7 +26,7 @@ use crate::asked::{likelier, recorded};
 use crate::progress::{Course, End, Place, Stages};
 use crate::propose::{self, Limits, Proposal};
 use crate::read::vocabulary::CONTROLLER;
-use crate::read::{Axis, AxisKind, Machine, Recording, nearest, position_step};
+use crate::read::{Axis, AxisKind, Machine, Recording, misspelt, position_step};
 use crate::report::{Answer, Verdict};
 
 /// Steps of the position this many times those of the machine file are not its steps.
@@ -64,9 +64,9 @@ pub struct Diagnosis {
     pub stages: Stages,
 }
 
-/// That there is no effect `id`, with the nearest there is.
+/// That there is no effect `id`, with the one that it is probably a misspelling of.
 pub fn unknown_effect(id: &str) -> Error {
-    let near = nearest(id, VOCABULARY.iter().map(|effect| effect.id));
+    let near = misspelt(id, VOCABULARY.iter().map(|effect| effect.id));
     let near = near.map_or_else(String::new, |near| format!("; the nearest is `{near}`"));
     Error::Usage(format!("there is no effect `{id}`{near}; `servo-lab help effects` lists them"))
 }

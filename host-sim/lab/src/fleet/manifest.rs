@@ -6,7 +6,7 @@ use sha2::{Digest, Sha256};
 
 use crate::Error;
 use crate::output::sha256;
-use crate::read::{Table, nearest};
+use crate::read::{Table, misspelt};
 
 /// Columns that a manifest may have; the first two it must.
 const COLUMNS: [&str; 4] = ["machine", "recordings", "holdout", "date"];
@@ -38,7 +38,7 @@ pub fn read(file: &Path) -> Result<Vec<Task>, Error> {
     let columns = Table::words(file)?;
     let wrong = |key: &str, message: String| Err(Error::input(file, Some(1), key, message));
     if let Some((other, _)) = columns.iter().find(|(name, _)| !COLUMNS.contains(&name.as_str())) {
-        let near = nearest(other, COLUMNS).map_or_else(String::new, |near| format!("; is `{near}` meant?"));
+        let near = misspelt(other, COLUMNS).map_or_else(String::new, |near| format!("; is `{near}` meant?"));
         return wrong(other, format!("unknown column; a manifest has {}{near}", COLUMNS.join(", ")));
     }
     let column = |name: &str| columns.iter().find(|(other, _)| other == name).map(|(_, cells)| cells);

@@ -11,7 +11,9 @@ use std::path::Path;
 use assert_cmd::Command;
 use files::{csv, write_mat, write_mcap};
 use lab::read::{AxisKind, Machine};
-use machine::{cogging_joint, commanded_pendulum, pushed_pendulum, sprung_axis};
+use machine::{ROUNDS, cogging_joint, follow, pushed_pendulum, sprung_axis};
+use plant::Model;
+use plant::effects::Gravity;
 use serde_json::Value;
 
 /// Runs `servo-lab` in a folder; what it prints.
@@ -148,6 +150,13 @@ fn a_linear_axis_in_mat() {
     answers(folder.path(), "axis.mat");
     let answer = diagnosed(folder.path(), "axis.mat");
     near(value(&answer, "spring_load", "stiffness_n_m"), 150.0, 0.05, "spring, N/m");
+}
+
+/// A small pendulum, 0.15 N m level, whose drive has no delay and holds each command of the log for 2 ms, without noise.
+fn commanded_pendulum() -> Vec<[f64; 3]> {
+    let gravity = Some(Gravity { amplitude: 0.15, phase_rad: 0.0 });
+    let model = Model { coulomb: 0.03, viscous: 0.006, gravity, ..Model::new(0.004) };
+    follow(&model, [3.0, 0.12, 0.6], 0.002, std::f64::consts::TAU / 8192.0, ROUNDS)
 }
 
 /// Half a row between commands that are held and samples of what acts is a viscous friction or a skew of the channels to a model that

@@ -21,3 +21,6 @@ columns = {
 for packing in ["none", "snappy", "gzip", "lz4", "zstd", "brotli"]:
     pyarrow.parquet.write_table(pyarrow.table(columns), f"{packing}.parquet", compression=packing)
 polars.DataFrame(columns).write_parquet("polars.parquet")
+# A column that no recording has, with nothing in half of its rows, as an event log joined to the samples leaves it.
+notes = ["rest" if row < 50 else None for row in range(ROWS)]
+pyarrow.parquet.write_table(pyarrow.table({**columns, "note": notes}), "nulls.parquet", compression="none")

@@ -31,6 +31,12 @@ fn every_packing_holds_the_same_values() {
 }
 
 #[test]
+fn a_null_matters_only_in_a_column_of_the_recording() {
+    let [whole, nulls] = ["none", "nulls"].map(|name| Recording::read(&data(name), None).unwrap());
+    assert_eq!((nulls.t_s, nulls.position, nulls.effort_cmd), (whole.t_s, whole.position, whole.effort_cmd));
+}
+
+#[test]
 fn a_packing_that_is_not_read_is_named_with_what_to_do() {
     let error = Table::read(&data("brotli")).unwrap_err().to_string();
     assert_eq!(

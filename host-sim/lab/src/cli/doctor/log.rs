@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::shows::shows;
-use super::skew::{EXPLAINED_ENOUGH, shifted, skew};
+use super::skew::{shifted, skew};
 use super::{Check, State};
 use crate::Error;
 use crate::cli::effort_units::EffortUnits;
@@ -216,7 +216,7 @@ fn balance(model: Option<&FirstModel>, units: &EffortUnits) -> Check {
     } else {
         ""
     };
-    if model.explained < EXPLAINED_ENOUGH {
+    if !model.is_trusted() {
         let message =
             "of the effort are explained by inertia, friction, offset and gravity: no value of them is to be trusted";
         return note(format!("{percent:.0} % {message}{one_way}"));

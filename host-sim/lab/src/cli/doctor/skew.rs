@@ -16,8 +16,6 @@ const MOST_OF_ROWS: usize = 10;
 const EXPLAINS: f64 = 0.5;
 /// Fewer windows tell no shift: half of what is left goes by chance in one of a thousand with 30.
 const WINDOWS: usize = 30;
-/// An explained share of the effort below which nothing of the balance is to be trusted.
-pub(super) const EXPLAINED_ENOUGH: f64 = 0.5;
 
 /// How effort and motion stand to each other in time.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -126,7 +124,7 @@ fn refined(about: isize, most: isize, left: impl Fn(isize) -> f64) -> (isize, f6
 /// Whether the balance has an inertia and explains enough.
 fn trusted(model: &FirstModel) -> bool {
     let has_inertia = model.inertia.is_known() && model.inertia.value > 0.0 && !model.reversed;
-    has_inertia && model.explained >= EXPLAINED_ENOUGH
+    has_inertia && model.is_trusted()
 }
 
 /// Shifts either way, rows: each to 16, and then some eighth more than the one before. One row aside blurs what is sharp.

@@ -10,8 +10,8 @@ use crate::output::formats;
 use crate::precheck::windows::median_period_s;
 use crate::precheck::wrong_rate;
 use crate::read::{
-    Axis, AxisKind, Cells, Column, Given, Guess, Machine, MapFlag, Mapping, Recording, Table, guess, position_step,
-    wrap,
+    Axis, AxisKind, Cells, Column, Given, Guess, Machine, MapFlag, Mapping, Recording, Table, guess, places,
+    position_step, wrap,
 };
 use crate::{Error, output};
 
@@ -148,7 +148,7 @@ fn unwrap(guesses: &mut [Guess], recordings: &[Recording]) -> Result<bool, Strin
         let Some(first) = found.first() else { continue };
         let width = first.width_in(guess.mapped.factor());
         let count: usize = found.iter().map(|wrap| wrap.rows.len()).sum();
-        guess.because += &format!("; WRAPS: it jumps by {width:?} {} in {count} places", guess.mapped.unit);
+        guess.because += &format!("; WRAPS: it jumps by {width:?} {} in {}", guess.mapped.unit, places(count));
         guess.mapped = guess.mapped.clone().wrapping(width)?;
         any = true;
     }

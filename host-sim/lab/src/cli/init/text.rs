@@ -12,9 +12,6 @@ use crate::precheck::{Purpose, Severity, check, wrong_rate};
 use crate::read::{AxisKind, Machine};
 use crate::report::Units;
 
-/// An explained share of the effort below which the first model is not to be trusted: half of it is something else.
-const EXPLAINED_ENOUGH: f64 = 0.5;
-
 /// In four digits, as many as a first guess has.
 fn digits(value: f64) -> String {
     let rounded: f64 = format!("{value:.3e}").parse().unwrap_or(value);
@@ -134,7 +131,7 @@ fn plant(findings: &Findings<'_>) -> Vec<Line> {
 
 fn inertia_line(model: &FirstModel, unit: &str) -> Line {
     let value = model.inertia;
-    if value.value > 0.0 && model.explained < EXPLAINED_ENOUGH {
+    if value.value > 0.0 && !model.is_trusted() {
         let comment = format!("UNSURE: {unit}, +- {} (95 %) if the rest were right", width(value.within));
         return Line { key: "inertia", value: digits(value.value), comment };
     }
@@ -215,7 +212,7 @@ fn how_good(model: Option<&FirstModel>, kind: AxisKind, unit: &str) -> String {
         let _ = writeln!(text, "        {:16} {value}", "gravity");
     }
     let (percent, effort) = (100.0 * model.explained, Units::of(kind).effort_name);
-    let note = if model.explained < EXPLAINED_ENOUGH {
+    let note = if !model.is_trusted() {
         ": too little to trust it; is the torque column the right one, is its unit, does the axis accelerate?"
     } else {
         ""

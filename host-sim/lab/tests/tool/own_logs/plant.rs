@@ -15,13 +15,6 @@ pub fn pushed_pendulum(steps_per_deg: f64) -> Vec<[f64; 3]> {
     run(&model, [9.0, 0.8, 1.2], 0.002, 1.0_f64.to_radians() / steps_per_deg)
 }
 
-/// A small pendulum, 0.15 N m level, whose drive has no delay and holds each command of the log for 2 ms, without noise.
-pub fn commanded_pendulum() -> Vec<[f64; 3]> {
-    let gravity = Some(Gravity { amplitude: 0.15, phase_rad: 0.0 });
-    let model = Model { coulomb: 0.03, viscous: 0.006, gravity, ..Model::new(0.004) };
-    follow(&model, [3.0, 0.12, 0.6], 0.002, std::f64::consts::TAU / 8192.0, ROUNDS)
-}
-
 /// A joint that cogs ten times a turn by 0.2 N m, logged every `period_s`.
 pub fn cogging_joint(period_s: f64) -> Vec<[f64; 3]> {
     let cogging = vec![Harmonic { amplitude: 0.2, order: 10.0, phase_rad: 0.5 }];
@@ -36,7 +29,7 @@ pub fn sprung_axis(period_s: f64) -> Vec<[f64; 3]> {
 }
 
 /// Rounds of the drive's loop for each row of the log.
-const ROUNDS: u32 = 20;
+pub const ROUNDS: u32 = 20;
 
 /// The log of a machine whose drive's loop runs faster than the log, so that the effort is a sample of what acts; it is read with a
 /// noise of 0.2 % of its largest.
@@ -50,7 +43,7 @@ fn run(model: &Model, gains: [f64; 3], period_s: f64, step: f64) -> Vec<[f64; 3]
 }
 
 /// Time, position and effort of a machine under a spring and a damper that follow two sines; the effort is held for so many rounds.
-fn follow(
+pub fn follow(
     model: &Model,
     [stiffness, damping, amplitude]: [f64; 3],
     period_s: f64,
