@@ -226,9 +226,40 @@ impl Laws {
         spread
     }
 
+    /// What a belief of `N` states has of these: with those of every machine alone nothing, which the compiler then knows.
+    #[inline]
+    fn beside<const N: usize, T: Copy>(given: &Option<T>) -> Option<T> {
+        if N > BASE { *given } else { None }
+    }
+
+    #[inline]
+    fn twist<const N: usize>(&self) -> Option<usize> {
+        Self::beside::<N, _>(&self.twist)
+    }
+
+    #[inline]
+    fn bristle<const N: usize>(&self) -> Option<usize> {
+        Self::beside::<N, _>(&self.bristle)
+    }
+
+    #[inline]
+    fn spring<const N: usize>(&self) -> Option<(f64, usize)> {
+        Self::beside::<N, _>(&self.spring)
+    }
+
+    #[inline]
+    fn friction_warming<const N: usize>(&self) -> Option<(Warming, usize)> {
+        Self::beside::<N, _>(&self.friction_warming)
+    }
+
+    #[inline]
+    fn fluid_warming<const N: usize>(&self) -> Option<(Warming, usize)> {
+        Self::beside::<N, _>(&self.fluid_warming)
+    }
+
     // Over 40 lines: the sum of all torques, each with the place it comes from.
     #[inline]
-    fn free(&self, x: &[f64], step: &Substep, twist_sd: f64) -> Free {
+    fn free<const N: usize>(&self, x: &[f64; N], step: &Substep, twist_sd: f64) -> Free {
         let (w, dt_s) = (x[SPEED], step.dt_s);
         let sign = if w < 0.0 { -1.0 } else { 1.0 };
         let middle = x[POSITION] + 0.5 * dt_s * w;
@@ -248,15 +279,15 @@ impl Laws {
         let load = self.friction.of_load(drive);
         let mut torque = step.torque + (drive - step.drive) + self.position.torque(middle);
         let (mut shaft, mut per_inertia) = (Bent::default(), self.per_inertia);
-        if let (Some(at), Some(law)) = (self.twist, &self.shaft) {
+        if let (Some(at), Some(law)) = (self.twist::<N>(), &self.shaft) {
             shaft = Bent::new(law, x[at], x[at + 1], dt_s, twist_sd);
             torque += shaft.torque;
             // What the damper of the shaft holds against a change of speed acts as more inertia.
             per_inertia = (self.inertia + dt_s * shaft.per_change).recip();
         }
-        let dry = |sign: f64| if self.bristle.is_some() { 0.0 } else { self.friction.coulomb(sign) + load };
+        let dry = |sign: f64| if self.bristle::<N>().is_some() { 0.0 } else { self.friction.coulomb(sign) + load };
         let half = 0.5 * dt_s * per_inertia;
-        let held = half * (level + dry(sign) + if self.spring.is_some() { 0.0 } else { fluid_level });
+        let held = half * (level + dry(sign) + if self.spring::<N>().is_some() { 0.0 } else { fluid_level });
         // What bends over speed is taken at the speed in the middle of the substep.
         let consistency = fluid_share * step.consistency;
         let flow = |speed: f64| self.flow.map_or(0.0, |curve| curve.coefficient(consistency, speed));
@@ -270,7 +301,7 @@ impl Laws {
         // Bristle and spring are taken as bent in the middle of the substep: at its start they would lag by half of it.
         let mut elastic = 0.0;
         let (mut bristle, mut spring) = ((0.0, 0.0), (0.0, 0.0));
-        if let (Some(at), Some(stiffness)) = (self.bristle, self.friction.stiffness()) {
+        if let (Some(at), Some(stiffness)) = (self.bristle::<N>(), self.friction.stiffness()) {
             let coulomb = 0.5 * (self.friction.coulomb(1.0) + self.friction.coulomb(-1.0));
             let more = 1.0 + (excess + load) / coulomb.max(f64::MIN_POSITIVE);
             let travel = 0.5 * dt_s * w;
@@ -281,7 +312,7 @@ impl Laws {
         } else {
             level += excess;
         }
-        if let Some((stiffness, at)) = self.spring {
+        if let Some((stiffness, at)) = self.spring::<N>() {
             let bent = x[at] + 0.5 * dt_s * stiffness * w;
             // Not `clamp`, which panics where the level of a wild machine is no number.
             elastic += bent.max(-fluid_level.abs()).min(fluid_level.abs());
@@ -307,9 +338,9 @@ impl Laws {
 
     /// What warming has left of viscous friction and of the fluid, 1.
     #[inline]
-    fn shares(&self, x: &[f64]) -> (f64, f64) {
-        let share = |warming: &Option<(Warming, usize)>| warming.map_or(1.0, |(warming, at)| warming.share(x[at]));
-        (share(&self.friction_warming), share(&self.fluid_warming))
+    fn shares<const N: usize>(&self, x: &[f64; N]) -> (f64, f64) {
+        let share = |warming: Option<(Warming, usize)>| warming.map_or(1.0, |(warming, at)| warming.share(x[at]));
+        (share(self.friction_warming::<N>()), share(self.fluid_warming::<N>()))
     }
 
     /// Power that the drag turns into heat at a speed, W, and its slope over the speed.
@@ -337,22 +368,22 @@ impl Laws {
         let mut next = *x;
         let travel = dt_s * free.mean_speed(x[SPEED], speed);
         (next[POSITION], next[SPEED]) = (x[POSITION] + travel, speed);
-        if let (Some(at), Some(law)) = (self.twist, &self.shaft) {
+        if let (Some(at), Some(law)) = (self.twist::<N>(), &self.shaft) {
             let change = speed - x[SPEED];
             let torque = free.shaft.torque - free.shaft.per_change * change;
             next[at + 1] = x[at + 1] - dt_s * law.per_load_inertia * torque - change;
             next[at] = x[at] + 0.5 * dt_s * (x[at + 1] + next[at + 1]);
         }
-        if let Some(at) = self.bristle {
+        if let Some(at) = self.bristle::<N>() {
             next[at] = self.friction.bristle_after(travel.signum(), x[at], travel);
         }
-        if let Some((stiffness, at)) = self.spring {
+        if let Some((stiffness, at)) = self.spring::<N>() {
             let level = self.shares(x).1 * step.level;
             next[at] = (x[at] + stiffness * travel).max(-level).min(level);
         }
-        for (warming, at) in self.friction_warming.iter().chain(&self.fluid_warming) {
+        for (warming, at) in self.friction_warming::<N>().into_iter().chain(self.fluid_warming::<N>()) {
             let (power_w, _) = self.power(free, travel / dt_s);
-            (next[*at], _) = warming.after(x[*at], power_w, dt_s);
+            (next[at], _) = warming.after(x[at], power_w, dt_s);
         }
         next
     }
@@ -360,7 +391,7 @@ impl Laws {
     /// Keeps what hangs on the rotor where it is, seen from a rotor at `position` and `speed` instead of where `next` has it.
     pub(crate) fn carry<const N: usize>(&self, inside: &mut [f64; N], next: &[f64; N], position: f64, speed: f64) {
         *inside = *next;
-        if let Some(at) = self.twist {
+        if let Some(at) = self.twist::<N>() {
             inside[at] += next[POSITION] - position;
             inside[at + 1] += next[SPEED] - speed;
         }

@@ -19,7 +19,7 @@ impl Laws {
         let torque_variance = noise.torque_variance(step.dt_s);
         let colour = noise.colour.map(|colour| (colour, N - 1));
         let step = &colour.map_or(*step, |(_, at)| Substep { torque: step.torque + x[at], ..*step });
-        let twist_sd = self.twist.map_or(0.0, |at| p[at][at].max(0.0).sqrt());
+        let twist_sd = self.twist::<N>().map_or(0.0, |at| p[at][at].max(0.0).sqrt());
         let free = self.free(x, step, twist_sd);
         let mut row = self.row(x, step, &free);
         if let Some((_, at)) = colour {
@@ -68,20 +68,20 @@ impl Laws {
         let slope = self.position.slope(middle) + step.drive * self.ripple.slope(middle);
         row[POSITION] = free.gain * slope;
         row[SPEED] = free.kept + free.gain * slope * half_s;
-        if let Some(at) = self.twist {
+        if let Some(at) = self.twist::<N>() {
             (row[at], row[at + 1]) = (free.gain * free.shaft.per_twist, free.gain * free.shaft.per_rate);
         }
-        let bristle = self.bristle.map(|at| (at, free.bristle));
-        let spring = self.spring.map(|(_, at)| (at, free.spring));
+        let bristle = self.bristle::<N>().map(|at| (at, free.bristle));
+        let spring = self.spring::<N>().map(|(_, at)| (at, free.spring));
         for (at, (per_state, per_speed)) in bristle.into_iter().chain(spring) {
             row[at] = -free.gain * per_state;
             row[SPEED] -= free.gain * per_speed;
         }
         let (viscous, warm) = free.viscous;
-        if let Some((warming, at)) = self.friction_warming {
+        if let Some((warming, at)) = self.friction_warming::<N>() {
             row[at] = free.gain * warming.per_j * warm * x[SPEED];
         }
-        if let Some((warming, at)) = self.fluid_warming {
+        if let Some((warming, at)) = self.fluid_warming::<N>() {
             // A lower level lets more speed through where the rotor slides, which the slope of the threshold says.
             let level = self.shares(x).1 * step.level;
             row[at] = free.gain * warming.per_j * (level.copysign(free.speed) + (viscous - warm) * x[SPEED]);
@@ -113,7 +113,7 @@ impl Laws {
         let mut push = [0.0; N];
         push[SPEED] = (speed.slope + speed.per_push) * free.gain;
         push[POSITION] = half_s * push[SPEED];
-        if let (Some(at), Some(law)) = (self.twist, &self.shaft) {
+        if let (Some(at), Some(law)) = (self.twist::<N>(), &self.shaft) {
             let per_torque = step.dt_s * law.per_load_inertia;
             // A change of the motor's speed is one of the rate, less what the damper takes of the shaft's torque.
             let follows = 1.0 - per_torque * free.shaft.per_change;
@@ -137,19 +137,19 @@ impl Laws {
             }
             push[at] = per_travel * push[POSITION];
         };
-        if let (Some(at), Some(stiffness)) = (self.bristle, self.friction.stiffness()) {
+        if let (Some(at), Some(stiffness)) = (self.bristle::<N>(), self.friction.stiffness()) {
             let sign = travel.signum();
             let level = self.friction.coulomb(sign).max(f64::MIN_POSITIVE);
             let kept = (-stiffness * travel.abs() / level).exp();
             follows(at, kept, stiffness * kept * (1.0 - sign * x[at] / level));
         }
-        if let Some((stiffness, at)) = self.spring {
+        if let Some((stiffness, at)) = self.spring::<N>() {
             let inside = f64::from((x[at] + stiffness * travel).abs() < self.shares(x).1 * step.level);
             follows(at, inside, inside * stiffness);
         }
-        for (warming, at) in self.friction_warming.iter().chain(&self.fluid_warming) {
+        for (warming, at) in self.friction_warming::<N>().into_iter().chain(self.fluid_warming::<N>()) {
             let (_, per_travel) = self.power(free, travel / step.dt_s);
-            follows(*at, warming.after(0.0, 0.0, step.dt_s).1, per_travel);
+            follows(at, warming.after(0.0, 0.0, step.dt_s).1, per_travel);
         }
         (f, push)
     }
@@ -159,7 +159,7 @@ impl Laws {
     fn stir<const N: usize>(&self, p: &mut [[f64; N]; N], dt_s: f64, white: f64) {
         let mut by = [0.0; N];
         (by[POSITION], by[SPEED]) = (0.5 * dt_s, 1.0);
-        if let Some(at) = self.twist {
+        if let Some(at) = self.twist::<N>() {
             (by[at], by[at + 1]) = (-0.5 * dt_s, -1.0);
         }
         for i in 0..N {
