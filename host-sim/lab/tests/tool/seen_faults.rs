@@ -135,7 +135,7 @@ fn a_machine_however_stiff_costs_no_more_than_any_other() {
             let t_s = f64::from(row) * 0.005;
             format!("{t_s},{},{}\n", 0.1 * (3.0 * t_s).sin(), amplitude * (3.0 * t_s).cos())
         };
-        (0..3000).map(row).collect()
+        (0..600).map(row).collect()
     };
     fs::write(folder.path().join("linear.csv"), format!("t_s,position_m,force_cmd_n\n{}", rows(520.0))).unwrap();
     fs::write(folder.path().join("rotary.csv"), format!("t_s,position_rad,torque_cmd_nm\n{}", rows(2.6))).unwrap();
