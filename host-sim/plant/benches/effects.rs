@@ -1,7 +1,7 @@
 //! An 8 s recording at 2 kHz replayed in windows of 100 samples, for each effect: `cargo bench -p plant --bench effects`.
 #![allow(clippy::unwrap_used, missing_docs)]
 
-#[path = "../tests/common/mod.rs"]
+#[path = "../tests/all/common/mod.rs"]
 mod common;
 
 use std::hint::black_box;

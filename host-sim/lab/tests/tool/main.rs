@@ -3,7 +3,7 @@
 
 #[path = "../common/mod.rs"]
 mod common;
-#[path = "../../../analysis/tests/common/mod.rs"]
+#[path = "../../../analysis/tests/all/common/mod.rs"]
 mod servo;
 
 mod comparison;

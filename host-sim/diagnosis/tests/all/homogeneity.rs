@@ -1,9 +1,6 @@
 //! Whether what effects leave is the same noise in each recording.
-#![allow(clippy::unwrap_used)]
 
-mod common;
-
-use common::{Making, PLAIN, STEP_RAD, recording, three};
+use crate::common::{Making, PLAIN, STEP_RAD, recording, three};
 use diagnosis::confidence_set::Step;
 use diagnosis::effects::find;
 use diagnosis::goodness::{Predictor, predictors};

@@ -1,5 +1,4 @@
 //! Friction over the load, warming and ripple against their closed forms.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use plant::effects::{Harmonic, Warming};
 use plant::{Command, Er, FieldResponse, FluidResponse, Model, Plant, State};

@@ -1,5 +1,4 @@
 //! The paper reproduced: the facts that are known of the closed loop, and verdicts that do not change unnoticed.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::path::Path;
 

@@ -1,5 +1,4 @@
 //! Tuned gains keep what is promised, checked by counting roots, and their file is read back.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use analysis::stability::{Fluid, Loop, Plant as LinearPlant, argument};
 use analysis::tune::series::SeriesLoop;

@@ -1,9 +1,6 @@
 //! What is no effect of the vocabulary competes with those that are: an effect is not named where a nuisance explains as much.
-#![allow(clippy::unwrap_used)]
 
-mod common;
-
-use common::{Making, PLAIN, STEP_RAD, three};
+use crate::common::{Making, PLAIN, STEP_RAD, three};
 use diagnosis::effects::{Effect, VOCABULARY};
 use diagnosis::physics::Physics;
 use diagnosis::pipeline::{Conclusion, diagnose};

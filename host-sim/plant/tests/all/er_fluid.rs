@@ -1,9 +1,6 @@
 //! The options of a real fluid against closed forms.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-mod common;
-
-use common::{FLOW, KINETICS, distance, field, run};
+use crate::common::{FLOW, KINETICS, distance, field, run};
 use plant::er_fluid::{Electrode, FlowCurve, Kinetics, Temperature};
 use plant::{Command, Er, FieldResponse, FluidResponse, Model, Plant, State};
 

@@ -1,9 +1,6 @@
 //! Accuracy without a reference: cutting steps, closed against open loop, effects of size zero.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-mod common;
-
-use common::{TICK_S, command, distance, every_effect, run};
+use crate::common::{self, TICK_S, command, distance, every_effect, run};
 use plant::{Command, Mechanics, State, Timeline};
 
 #[test]

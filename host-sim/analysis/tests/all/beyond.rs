@@ -1,12 +1,11 @@
 //! The control beyond the paper's law: what it is compared by, and that the paper's law is in it as it is.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
-
-mod common;
 
 use analysis::beyond::{LINES, MODES, Mode, compare, find, is_told, run};
 use analysis::paper::case::{Case, Fluid, Speed};
 use analysis::simulate::Setup;
 use er_servo::{Config, Counts};
+
+use crate::common::{field, paper, setup};
 
 #[test]
 fn the_first_mode_is_the_flashed_law_and_every_mode_has_all_its_figures() {
@@ -56,9 +55,9 @@ fn keys_find_their_modes_and_a_mode_changes_a_run() {
         assert_eq!(find(mode.key), Some(mode));
     }
     assert_eq!(find("none"), None);
-    let setup = |response| Setup { ..common::setup(common::paper(response), Config::default()) };
-    let told = setup(common::field(0.002, 0.003));
-    assert!(is_told(&told.model) && !is_told(&setup(common::field(0.002, 0.004)).model));
+    let setup = |response| setup(paper(response), Config::default());
+    let told = setup(field(0.002, 0.003));
+    assert!(is_told(&told.model) && !is_told(&setup(field(0.002, 0.004)).model));
     let at = |mode: &Mode, setup: &Setup| run(mode, setup, std::iter::repeat_n(Counts::from_rad(0.05), 400));
     let fields =
         |mode: &Mode| -> Vec<f32> { at(mode, &told).unwrap().iter().map(|row| row.outputs.field_kv_mm).collect() };

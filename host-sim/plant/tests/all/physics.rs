@@ -1,9 +1,6 @@
 //! What must hold whatever the numbers: energy, stiction, order of events, answers known in closed form.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-mod common;
-
-use common::{TICK_S, energy, every_effect, nominal};
+use crate::common::{self, TICK_S, energy, every_effect, nominal};
 use plant::effects::{Gravity, Shaft, Stribeck};
 use plant::{Command, Er, FluidResponse, Model, Plant, State};
 use proptest::prelude::*;

@@ -1,5 +1,4 @@
 //! Figures: small however long the recording, the same bytes each time, text as text.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use analysis::plot::{Figure, Ink, Mark, Panel, Series};
 use rand::rngs::StdRng;

@@ -1,9 +1,6 @@
 //! How much an effect accounts for, and what happens once.
-#![allow(clippy::unwrap_used)]
 
-mod common;
-
-use common::{Making, PLAIN, STEP_RAD, recording, three};
+use crate::common::{Making, PLAIN, STEP_RAD, recording, three};
 use diagnosis::effects::{VOCABULARY, find};
 use diagnosis::hypothesis::{Hypothesis, refit};
 use diagnosis::physics::Physics;

@@ -1,5 +1,4 @@
 //! The judge on independent reference responses and on real machines, where those are at hand.
-#![allow(clippy::unwrap_used)]
 
 use std::path::{Path, PathBuf};
 

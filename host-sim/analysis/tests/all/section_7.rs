@@ -1,10 +1,7 @@
 //! What the closed loop must show: every figure of control.md section 7, from the law that is flashed.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-mod common;
-
+use crate::common::{PERIOD_S, field, paper, pushed, q_dead, q_lag, shared, step_response, true_speed};
 use analysis::simulate::{Row, StepFigures, Summary};
-use common::{PERIOD_S, field, paper, pushed, q_dead, q_lag, shared, step_response, true_speed};
 use er_servo::Config;
 use plant::FluidResponse;
 

@@ -1,9 +1,6 @@
 //! Friction over the load, warming and a drive's ripple: left out of the model, each is named first with its value.
-#![allow(clippy::unwrap_used)]
 
-mod common;
-
-use common::{Making, PLAIN, STEP_RAD, three};
+use crate::common::{Making, PLAIN, STEP_RAD, three};
 use diagnosis::effects::VOCABULARY;
 use diagnosis::physics::Physics;
 use diagnosis::pipeline::{Named, diagnose};

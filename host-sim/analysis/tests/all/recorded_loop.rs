@@ -1,12 +1,9 @@
 //! Simulate, record, write, read, replay: the same commands to the bit, and what is not the same is found where it is.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
-
-mod common;
 
 use std::fs;
 
+use crate::common::{PERIOD_S, field, paper, setup, shared, true_speed};
 use analysis::simulate::{Disturbance, Reference, Setup, record, run};
-use common::{field, paper, setup, shared, true_speed};
 use er_servo::Config;
 use er_servo::experiment::{Experiment, Shape};
 use recording::Recording;
@@ -23,7 +20,7 @@ fn eventful(config: Config, seed: u64) -> Recording {
     };
     let shape = Shape::Steps { amplitude_rad: 0.5, dwell_s: 0.3, seed: 7 };
     let reference = Reference::Experiment(Experiment { shape, duration_s: 2.0 });
-    record("run.csv", &run(&setup, reference.positions(common::PERIOD_S).unwrap()).unwrap())
+    record("run.csv", &run(&setup, reference.positions(PERIOD_S).unwrap()).unwrap())
 }
 
 fn through_file(recording: &Recording, name: &str) -> Recording {

@@ -1,9 +1,6 @@
 //! However much there is to search, a diagnosis ends after the work it is allowed. Counted, so that it holds on every machine.
-#![allow(clippy::unwrap_used)]
 
-mod common;
-
-use common::{Making, PLAIN, STEP_RAD, three};
+use crate::common::{Making, PLAIN, STEP_RAD, three};
 use diagnosis::effects::VOCABULARY;
 use diagnosis::physics::Physics;
 use diagnosis::pipeline::{Conclusion, Named, diagnose};

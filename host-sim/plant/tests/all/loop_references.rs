@@ -1,6 +1,5 @@
 //! The viscosity models against the closed-loop references. The law is written out here in a few lines because the plant
 //! knows none; its equations are those of the control specification, sections 2 to 4, with the true speed.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::path::PathBuf;
 

@@ -1,5 +1,4 @@
 //! The plant against responses computed by a separate implementation in another language.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::path::PathBuf;
 

@@ -1,11 +1,8 @@
 //! Orders over position of a linear axis, which has no whole ones: left out of the model, one ripple is one effect at its own order.
-#![allow(clippy::unwrap_used)]
-
-mod common;
 
 use std::f64::consts::TAU;
 
-use common::{Making, PLAIN, STEP_RAD, three};
+use crate::common::{Making, PLAIN, STEP_RAD, three};
 use diagnosis::effects::VOCABULARY;
 use diagnosis::physics::Physics;
 use diagnosis::pipeline::diagnose;

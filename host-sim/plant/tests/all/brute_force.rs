@@ -1,10 +1,7 @@
 //! Every law once more, written straight from the diagnosis specification and stepped by brute force. The stepping is
 //! first order, so a quarter of the step must leave about a quarter of its distance to the exact motion.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-mod common;
-
-use common::{TICK_S, command, every_effect, run};
+use crate::common::{TICK_S, command, every_effect, run};
 use plant::effects::{Harmonic, Warming};
 use plant::{FieldResponse, FluidResponse, Model};
 

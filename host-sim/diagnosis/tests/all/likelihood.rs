@@ -1,9 +1,6 @@
 //! The likelihood and the judge on recordings of the plant, where the truth is known.
-#![allow(clippy::unwrap_used)]
 
-mod common;
-
-use common::{Making, PLAIN, STEP_RAD, recording, three};
+use crate::common::{Making, PLAIN, STEP_RAD, recording, three};
 use diagnosis::confidence_set::{Step, assess, intervals};
 use diagnosis::effects::{VOCABULARY, find};
 use diagnosis::hypothesis::{Hypothesis, Refitted, evaluate, refit};

@@ -1,9 +1,6 @@
 //! A fluid that warms, one whose lag depends on its field and one that flows: left out of the model, each is named first with its values.
-#![allow(clippy::unwrap_used)]
 
-mod common;
-
-use common::{Making, PLAIN, STEP_RAD, three};
+use crate::common::{Making, PLAIN, STEP_RAD, three};
 use diagnosis::effects::VOCABULARY;
 use diagnosis::physics::Physics;
 use diagnosis::pipeline::{Conclusion, diagnose};

@@ -1,7 +1,6 @@
 //! What a simulation costs may not depend on how stiff a machine is: a fit tries any of them, and has a minute.
 //!
 //! Counted as [`Mechanics::counting`] counts, which does not depend on the computer.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};

@@ -1,7 +1,6 @@
 //! Whatever the bytes, a reader answers with what it read or with one message; it never panics.
 //!
 //! A bounded run with a fixed seed; the targets in `host-sim/fuzz` go on from here.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::fs;
 use std::path::Path;

@@ -1,9 +1,6 @@
 //! Delays, lags, limits and the sensor: what acts when, and what is reported when.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-mod common;
-
-use common::{TICK_S, command, field, nominal};
+use crate::common::{self, TICK_S, command, field, nominal};
 use plant::effects::{Harmonic, Pulse};
 use plant::sensor::{LatencyLine, Rounding, Sampler, SamplerConfig, SensorModel, TorqueNoise};
 use plant::{Command, Er, Error, FluidResponse, Mechanics, Model, Plant, Segment, State, Timeline};
