@@ -4,3 +4,4 @@
 pub use crate::effects::friction::Friction;
 pub use crate::effects::position::{PositionTorque, Ripple};
 pub use crate::effects::shaft::ShaftLaw;
+pub use crate::mechanics::room;

@@ -14,7 +14,7 @@ mod tests;
 
 use plant::effects::Warming;
 use plant::er_fluid::FlowCurve;
-use plant::laws::{Friction, PositionTorque, Ripple, ShaftLaw};
+use plant::laws::{Friction, PositionTorque, Ripple, ShaftLaw, room};
 use plant::{FluidResponse, Model};
 
 use super::acting::{Acting, OfFluid};
@@ -268,7 +268,7 @@ impl Laws {
         let warm = share * self.friction.viscous(sign);
         let (mut viscous, mut level) = (warm, 0.0);
         if fluid_viscosity > 0.0 {
-            let room = (self.viscous_limit - fluid_level).max(0.0);
+            let room = room(self.viscous_limit, fluid_level);
             if fluid_viscosity * w.abs() > room {
                 level += room;
             } else {

@@ -16,8 +16,10 @@ const FASTEST_VISCOSITY_S: f64 = 1e-5;
 /// rounding, 1e-16 of it, to tell the regimes by.
 const EDGE: f64 = 1e-12;
 
-/// What a brake of `level` leaves of the limit of the fluid's torque to its viscosity, N m (N): one gap has both.
-pub(crate) fn room(torque_limit: f64, level: f64) -> f64 {
+/// What a brake of `level` leaves of the limit of the fluid's torque to its viscosity, N m (N), not negative: one gap has both
+/// (control.md section 5).
+#[inline]
+pub fn room(torque_limit: f64, level: f64) -> f64 {
     (torque_limit - level).max(0.0)
 }
 

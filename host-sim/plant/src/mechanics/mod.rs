@@ -16,7 +16,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use crate::sensor::SensorModel;
 use crate::{Error, Model, Segment, Timeline};
 use exact::Exact;
-pub(crate) use fluid::room;
+pub use fluid::room;
 use general::General;
 pub use state::{Motion, State};
 
