@@ -82,9 +82,4 @@ impl Physics {
             change(field);
         }
     }
-
-    /// Whether no motion of this machine tells two effects apart.
-    pub fn indistinct(&self, one: &crate::effects::Effect, other: &crate::effects::Effect) -> bool {
-        self.model.er.is_none() && one.alike.contains(&other.id)
-    }
 }

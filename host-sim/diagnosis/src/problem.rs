@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use crate::effects::Excitation;
+use crate::effects::{Effect, Excitation};
 use crate::likelihood::filter::Prepared;
 use crate::likelihood::inverse::Motion;
 use crate::likelihood::{Acting, Grid, Lately, Rounding};
@@ -227,6 +227,19 @@ impl Problem {
     /// Work as it is done on this problem and all that come of it.
     pub fn tally(&self) -> &Tally {
         &self.tally
+    }
+
+    /// Whether this machine with this excitation can have an effect.
+    pub(crate) fn may_have(&self, effect: &Effect) -> bool {
+        (effect.applies)(&self.nominal, &self.excitation)
+    }
+
+    /// Whether no motion of this machine tells another effect from one with these fitted values.
+    pub(crate) fn indistinct(&self, effect: &Effect, values: &[f64], other: &Effect) -> bool {
+        match self.nominal.model.er {
+            None => effect.alike.contains(&other.id),
+            Some(_) => (effect.alike_beside_a_fluid)(values).contains(&other.id) && self.may_have(other),
+        }
     }
 
     /// Recordings on which a fit is judged: those held out, else those to fit.

@@ -127,17 +127,34 @@ pub fn p_value(assessed: &Assessed, entry: usize, gain: f64, odds: Odds) -> f64 
     (single * odds.tries * crate::effects::VOCABULARY.len() as f64).max(odds.by_chance).min(1.0)
 }
 
-/// The nominal machine with what others would stand in for where it is missing; none where it can have nothing of the kind.
+/// The nominal machine with what others would stand in for where it is missing; none where it can have nothing of the kind, or is no likelier
+/// with it.
 fn first(problem: &Problem, nominal: &Step, vocabulary: &[&'static Effect]) -> Option<Step> {
     let entries: Vec<Entry> = vocabulary
         .iter()
-        .filter(|effect| effect.first && (effect.applies)(&problem.nominal, &problem.excitation))
+        .filter(|effect| effect.first && problem.may_have(effect))
         .map(|effect| Entry { effect, values: vec![0.0; effect.parameters.len()] })
         .collect();
     if entries.is_empty() {
         return None;
     }
-    Step::new(problem, refit(problem, &Hypothesis { entries }, &nominal.assessed.refitted.noise, 10)?)
+    let mut found = refit(problem, &Hypothesis { entries }, &nominal.assessed.refitted.noise, 10)?;
+    in_plain_names(problem, vocabulary, &mut found.hypothesis);
+    // Where it is no likelier nothing stands in for it, and the search from the nominal machine is the same.
+    Step::new(problem, found).filter(|first| priced(problem, first) > priced(problem, nominal))
+}
+
+/// Gives an entry that stands for others the name of what it is the same as by its values: a column beside a fluid that is stamped early
+/// is a delay of the drive.
+fn in_plain_names(problem: &Problem, vocabulary: &[&'static Effect], hypothesis: &mut Hypothesis) {
+    for entry in hypothesis.entries.iter_mut().filter(|entry| entry.effect.first) {
+        let same = |other: &&'static Effect| {
+            !other.first && problem.may_have(other) && problem.indistinct(entry.effect, &entry.values, other)
+        };
+        if let Some(other) = vocabulary.iter().copied().find(same) {
+            entry.effect = other;
+        }
+    }
 }
 
 /// Searches within the work that is left, from the nominal machine and from the one with what others would stand in for; the likelier
@@ -154,6 +171,7 @@ pub fn search(problem: &Problem, vocabulary: &[&'static Effect]) -> Option<Found
         ends.push(problem.within(allowed, |own| forward(own, vocabulary, first, &mut around_first)));
     }
     let mut end = ends.into_iter().max_by(|a, b| priced(problem, &a.best).total_cmp(&priced(problem, &b.best)))?;
+    in_plain_names(problem, vocabulary, &mut end.best.assessed.refitted.hypothesis);
     // A memory of the noise is looked for when nothing is missing that it would stand in for.
     let Some(coloured) = coloured(problem, &end.best) else {
         let around = &mut around_nominal;

@@ -88,7 +88,7 @@ fn column_of(problem: &Problem, best: &Assessed, path: &Kept, effect: &'static E
     let hypothesis = &best.refitted.hypothesis;
     let is_one = effect.columns == Columns::Each && effect.parameters.len() == 1;
     let is_in = hypothesis.entries.iter().any(|entry| entry.effect == effect);
-    if !is_one || is_in || !(effect.applies)(&problem.nominal, &problem.excitation) {
+    if !is_one || is_in || !problem.may_have(effect) {
         return None;
     }
     let value = *(effect.starts)(&problem.nominal, &problem.excitation).first()?.first()?;

@@ -180,6 +180,8 @@ pub struct Effect {
     pub looked_at: fn(&Excitation) -> f64,
     /// Effects that no motion of a machine without a fluid tells from it.
     pub alike: &'static [&'static str],
+    /// Effects that with the same fitted values are the same, beside a fluid too.
+    pub alike_beside_a_fluid: fn(&[f64]) -> &'static [&'static str],
     /// A measurement of another kind that tells it where no motion does, as an instruction; none where only motion tells.
     pub measured_by: Option<&'static str>,
     /// It is part of the first hypothesis of a machine that can have it: other effects stand in for it where it is missing.
@@ -212,6 +214,7 @@ pub(crate) const PLAIN: Effect = Effect {
     recording_of: |_, _| None,
     looked_at: |_| 1.0,
     alike: &[],
+    alike_beside_a_fluid: |_| &[],
     measured_by: None,
     first: false,
     nameable: true,
@@ -276,6 +279,12 @@ pub(crate) fn commanded(_: &Physics, excitation: &Excitation) -> bool {
 /// Recordings whose torque column is read as a measurement.
 pub(crate) fn measured(_: &Physics, excitation: &Excitation) -> bool {
     excitation.measured
+}
+
+/// Recordings whose torque column may be stamped at times of its own: a measurement, or the torque of a machine whose drive has no
+/// delay that would tell it from its command, beside the field's commands.
+pub(crate) fn may_be_skewed(nominal: &Physics, excitation: &Excitation) -> bool {
+    excitation.measured || nominal.model.er.is_some() && nominal.model.torque_delay_s == 0.0
 }
 
 /// The sine of values order, sine, cosine.

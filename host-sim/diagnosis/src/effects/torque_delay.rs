@@ -19,6 +19,7 @@ pub static EFFECT: Effect = Effect {
     put: |p, v| p.model.torque_delay_s = v[0],
     neutral: |p| p.model.torque_delay_s,
     alike: &["sensor_latency", "channel_skew"],
+    alike_beside_a_fluid: |_| &["channel_skew"],
     measured_by: Some(CURRENT_STEP),
     example: shown(|f| vec![0.005 + 0.0012 * f]),
     ..PLAIN

@@ -1,10 +1,12 @@
-//! A fluid that warms, one whose lag depends on its field and one that flows: left out of the model, each is named first with its values.
+//! A fluid that warms, one whose lag depends on its field, one that flows and a torque column that is stamped late beside a fluid: left out of
+//! the model, each is named first with its values.
 
 use crate::common::{Making, PLAIN, STEP_RAD, three};
 use diagnosis::effects::VOCABULARY;
 use diagnosis::physics::Physics;
 use diagnosis::pipeline::{Conclusion, diagnose};
 use diagnosis::problem::Problem;
+use diagnosis::recorded::Recorded;
 use plant::effects::Warming;
 use plant::er_fluid::{FlowCurve, Kinetics};
 use plant::{Er, FieldResponse, FluidResponse, Model};
@@ -28,8 +30,14 @@ fn machine(response: FieldResponse, warming: Option<Warming>) -> Model {
 
 /// What is found in two recordings with a third held out.
 fn found(nominal: Model, actual: &Model, seconds: f64) -> Conclusion {
-    let making = Making { torque, field: levels, seconds, step_rad: STEP_RAD, ..PLAIN };
-    let recordings = three(actual, making);
+    diagnosed(nominal, three(actual, making(seconds)))
+}
+
+fn making(seconds: f64) -> Making {
+    Making { torque, field: levels, seconds, step_rad: STEP_RAD, ..PLAIN }
+}
+
+fn diagnosed(nominal: Model, recordings: Vec<Recorded>) -> Conclusion {
     let problem = Problem::new(Physics::new(nominal), recordings, 2, STEP_RAD, false);
     let found = diagnose(&problem, &VOCABULARY).unwrap();
     for named in &found.effects {
@@ -83,4 +91,23 @@ fn a_flow_that_the_field_thickens_is_named() {
     let flow = Some(FlowCurve { consistency: 0.0, consistency_per_kv_mm: 0.1, exponent: 0.5 });
     let found = found(machine(LAG, None), &machine(FieldResponse { flow, ..LAG }, None), 4.0);
     holds(&found, "er_flow", &[0.1, 0.5]);
+}
+
+/// Only a skew of the channels lets a torque act before its row: a latency would move the field's commands with it.
+#[test]
+#[cfg_attr(debug_assertions, ignore = "minutes without optimisation; the tests in release run it")]
+fn a_torque_column_that_is_stamped_late_is_named_beside_a_fluid() {
+    const ROWS_LATE: usize = 2;
+    let machine = Model { torque_delay_s: 0.0, ..machine(LAG, None) };
+    let mut recordings = three(&machine, making(3.0));
+    for recorded in &mut recordings {
+        let acted: Vec<f64> = recorded.commands.iter().map(|command| command.torque).collect();
+        for (row, command) in recorded.commands.iter_mut().enumerate() {
+            command.torque = acted[row.saturating_sub(ROWS_LATE)];
+        }
+    }
+    let found = diagnosed(machine, recordings);
+    holds(&found, "channel_skew", &[-0.002]);
+    assert_eq!(found.effects.len(), 1);
+    assert!(found.effects[0].equivalent.is_empty());
 }
