@@ -127,8 +127,8 @@ pub fn p_value(assessed: &Assessed, entry: usize, gain: f64, odds: Odds) -> f64 
     (single * odds.tries * crate::effects::VOCABULARY.len() as f64).max(odds.by_chance).min(1.0)
 }
 
-/// The nominal machine with what others would stand in for where it is missing; none where it can have nothing of the kind, or is no likelier
-/// with it.
+/// The nominal machine with what others would stand in for where it is missing; none where it can have nothing of the kind, or beside a
+/// fluid is no likelier with it.
 fn first(problem: &Problem, nominal: &Step, vocabulary: &[&'static Effect]) -> Option<Step> {
     let entries: Vec<Entry> = vocabulary
         .iter()
@@ -140,8 +140,10 @@ fn first(problem: &Problem, nominal: &Step, vocabulary: &[&'static Effect]) -> O
     }
     let mut found = refit(problem, &Hypothesis { entries }, &nominal.assessed.refitted.noise, 10)?;
     in_plain_names(problem, vocabulary, &mut found.hypothesis);
-    // Where it is no likelier nothing stands in for it, and the search from the nominal machine is the same.
-    Step::new(problem, found).filter(|first| priced(problem, first) > priced(problem, nominal))
+    // Beside a fluid, where its search takes work that the other needs, only one that is likelier as it is: a spring hid the skew of a
+    // measured torque at first, and came first behind it.
+    let is_worth_it = |first: &Step| problem.excitation.measured || priced(problem, first) > priced(problem, nominal);
+    Step::new(problem, found).filter(is_worth_it)
 }
 
 /// Gives an entry that stands for others the name of what it is the same as by its values: a column beside a fluid that is stamped early
