@@ -63,7 +63,7 @@ const MOST_EQUIVALENTS: usize = 3;
 
 /// What no motion tells from it, then what these recordings do not tell from it or from a part of it.
 fn equivalent(problem: &Problem, entry: &Entry, alike: impl Iterator<Item = &'static Effect>) -> Vec<&'static Effect> {
-    let always = VOCABULARY.iter().copied().filter(|other| problem.indistinct(entry.effect, &entry.values, other));
+    let always = VOCABULARY.iter().copied().filter(|other| entry.indistinct(problem, other));
     let mut all: Vec<&'static Effect> = always.collect();
     for other in alike {
         if !all.contains(&other) {
@@ -288,7 +288,7 @@ fn named(problem: &Problem, found: &Found, vocabulary: &[&'static Effect]) -> (V
     let mut effects: Vec<Named> = Vec::new();
     for (at, entry) in best.refitted.hypothesis.entries.iter().enumerate() {
         let Beside { alike, nuisances } = beside(found, &excluded, at);
-        let told = |other: &Effect| !problem.indistinct(entry.effect, &entry.values, other);
+        let told = |other: &Effect| !entry.indistinct(problem, other);
         let others = alike.iter().filter(|(.., other)| told(other));
         in_the_set.extend(others.clone().map(|(difference, hypothesis, ..)| (*difference, (*hypothesis).clone())));
         let standing = match others.map(|(_, _, freedom, _)| *freedom).min() {

@@ -230,16 +230,8 @@ impl Problem {
     }
 
     /// Whether this machine with this excitation can have an effect.
-    pub(crate) fn may_have(&self, effect: &Effect) -> bool {
+    pub fn may_have(&self, effect: &Effect) -> bool {
         (effect.applies)(&self.nominal, &self.excitation)
-    }
-
-    /// Whether no motion of this machine tells another effect from one with these fitted values.
-    pub(crate) fn indistinct(&self, effect: &Effect, values: &[f64], other: &Effect) -> bool {
-        match self.nominal.model.er {
-            None => effect.alike.contains(&other.id),
-            Some(_) => (effect.alike_beside_a_fluid)(values).contains(&other.id) && self.may_have(other),
-        }
     }
 
     /// Recordings on which a fit is judged: those held out, else those to fit.

@@ -140,8 +140,8 @@ fn first(problem: &Problem, nominal: &Step, vocabulary: &[&'static Effect]) -> O
     }
     let mut found = refit(problem, &Hypothesis { entries }, &nominal.assessed.refitted.noise, 10)?;
     in_plain_names(problem, vocabulary, &mut found.hypothesis);
-    // Beside a fluid, where its search takes work that the other needs, only one that is likelier as it is: a spring hid the skew of a
-    // measured torque at first, and came first behind it.
+    // Beside a fluid its search takes work that the other one needs, so only one that is likelier is gone on from. A measured torque always
+    // has it: with a spring missing a skew was no likelier, and without the skew that spring was taken for an inertia.
     let is_worth_it = |first: &Step| problem.excitation.measured || priced(problem, first) > priced(problem, nominal);
     Step::new(problem, found).filter(is_worth_it)
 }
@@ -150,9 +150,8 @@ fn first(problem: &Problem, nominal: &Step, vocabulary: &[&'static Effect]) -> O
 /// is a delay of the drive.
 fn in_plain_names(problem: &Problem, vocabulary: &[&'static Effect], hypothesis: &mut Hypothesis) {
     for entry in hypothesis.entries.iter_mut().filter(|entry| entry.effect.first) {
-        let same = |other: &&'static Effect| {
-            !other.first && problem.may_have(other) && problem.indistinct(entry.effect, &entry.values, other)
-        };
+        let same =
+            |other: &&'static Effect| !other.first && problem.may_have(other) && entry.indistinct(problem, other);
         if let Some(other) = vocabulary.iter().copied().find(same) {
             entry.effect = other;
         }

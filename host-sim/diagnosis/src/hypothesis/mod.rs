@@ -30,6 +30,16 @@ pub struct Entry {
     pub values: Vec<f64>,
 }
 
+impl Entry {
+    /// Whether no motion of the machine tells another effect from this one by its values.
+    pub(crate) fn indistinct(&self, problem: &Problem, other: &Effect) -> bool {
+        match problem.nominal.model.er {
+            None => self.effect.alike.contains(&other.id),
+            Some(_) => (self.effect.alike_beside_a_fluid)(&self.values).contains(&other.id) && problem.may_have(other),
+        }
+    }
+}
+
 /// Effects on top of the nominal machine; none is the nominal machine itself.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Hypothesis {

@@ -56,9 +56,7 @@ pub(crate) fn score(problem: &Problem, at: &Refitted, vocabulary: &[&'static Eff
     let starts: Vec<(&'static Effect, Vec<f64>)> = vocabulary
         .iter()
         .filter(|effect| (effect.applies)(&problem.nominal, &excitation))
-        .filter(|effect| {
-            !hypothesis.entries.iter().any(|entry| problem.indistinct(entry.effect, &entry.values, effect))
-        })
+        .filter(|effect| !hypothesis.entries.iter().any(|entry| entry.indistinct(problem, effect)))
         .filter(|effect| effect.repeats || hypothesis.entries.iter().all(|entry| entry.effect != **effect))
         .flat_map(|effect| (effect.starts)(physics, &excitation).into_iter().map(|values| (*effect, values)))
         .filter(|(effect, values)| !overlaps(hypothesis, effect, values))

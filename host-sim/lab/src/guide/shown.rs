@@ -73,7 +73,7 @@ pub fn shown(problem: &Problem) -> Option<Shown> {
     let axis = if problem.excitation.linear { AxisKind::Linear } else { AxisKind::Rotary };
     let left = |sized: &Sized| {
         let effect = sized.effect;
-        if !(effect.applies)(&problem.nominal, &problem.excitation) {
+        if !problem.may_have(effect) {
             return None;
         }
         let clear = sized.clear_on(here, default);
