@@ -3,7 +3,7 @@
 use rand::SeedableRng;
 use rand::rngs::StdRng;
 
-use super::{Kind, Scales, Shape, afield, beyond, further, kinds, unseen};
+use super::{Kind, Scales, Shape, afield, aloft, beyond, further, kinds, unseen};
 use crate::catalogue::{ENTRIES, for_recording};
 use crate::physics::Physics;
 use crate::rotor::{Command, Rotor, STEP_S};
@@ -49,7 +49,7 @@ fn moved(physics: &Physics, steps: usize, times: f64) -> Vec<f64> {
 
 /// Kinds of the lists that are held against each other.
 fn newer() -> impl Iterator<Item = &'static Kind> {
-    unseen::KINDS.iter().chain(further::KINDS).chain(beyond::KINDS).chain(afield::KINDS)
+    unseen::KINDS.iter().chain(further::KINDS).chain(beyond::KINDS).chain(afield::KINDS).chain(aloft::KINDS)
 }
 
 fn with(kind: &'static Kind, size: f64, shape: &Shape) -> Physics {

@@ -3,21 +3,16 @@
 use std::f64::consts::TAU;
 
 use super::{
-    Hidden, Kind, Needs, Put, Scales, Shape, afield, beyond, drive, fluid, friction, further, later, mechanics, sensor,
-    spring, unseen,
+    Hidden, Kind, Needs, Put, Scales, Shape, afield, aloft, beyond, drive, fluid, friction, further, later, mechanics,
+    sensor, spring, unseen,
 };
 use crate::catalogue;
 use crate::physics::{Physics, Wave};
 
 /// Every kind.
 pub fn kinds() -> impl Iterator<Item = &'static Kind> {
-    KINDS
-        .iter()
-        .chain(later::KINDS)
-        .chain(unseen::KINDS)
-        .chain(further::KINDS)
-        .chain(beyond::KINDS)
-        .chain(afield::KINDS)
+    let newer = [later::KINDS, unseen::KINDS, further::KINDS, beyond::KINDS, afield::KINDS, aloft::KINDS];
+    KINDS.iter().chain(newer.into_iter().flatten())
 }
 
 /// The kind called `id`.

@@ -4,6 +4,7 @@
 //! are in the SI units of the axis: N m or N, rad or m.
 
 mod afield;
+mod aloft;
 #[cfg(test)]
 mod at_work;
 mod beyond;
