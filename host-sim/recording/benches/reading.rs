@@ -25,6 +25,7 @@ fn ten_minutes() -> Recording {
         fault: None,
         counts: None,
         gaps: Vec::new(),
+        mended: Vec::new(),
         extra: Vec::new(),
     }
 }

@@ -187,7 +187,7 @@ impl<'a> Columns<'a> {
             if self.looks && self.bad[index].is_none() && finite_number(&read).is_none() {
                 self.bad[index] = Some((byte, read.trim().to_owned()));
             }
-            let pushed = values.push(&read).and_then(|()| values.check_last(column.role.column()));
+            let pushed = values.push(&read).and_then(|()| values.check_last(column.role.column(), self.header.mapped));
             pushed.map_err(|message| complaint(column, &read, message))?;
         }
         Ok(())

@@ -68,6 +68,7 @@ pub fn recording(name: &str, begin: &Begin, frames: &[Frame]) -> Recording {
         counts: Some(frames.iter().map(|frame| frame.outputs.position.0.into()).collect()),
         gaps: gaps.map(|(row, _)| row).collect(),
         extra: Vec::new(),
+        mended: Vec::new(),
     }
 }
 

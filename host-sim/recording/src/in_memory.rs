@@ -52,7 +52,7 @@ fn read(columns: Vec<InMemory<'_>>, wanted: Wanted<'_>) -> Result<(Header, Vec<V
     for (column, given) in header.columns.iter().zip(columns) {
         let mut taken = Values::new(column.role);
         if matches!(column.role, Role::Known(..)) {
-            let count = fill(&mut taken, column, given)?;
+            let count = fill(&mut taken, column, header.mapped, given)?;
             if *rows.get_or_insert(count) != count {
                 let message = format!("holds {count} rows where the columns before it hold {}", rows.unwrap_or(0));
                 return Err(Complaint::new(&column.name, message));
@@ -64,12 +64,12 @@ fn read(columns: Vec<InMemory<'_>>, wanted: Wanted<'_>) -> Result<(Header, Vec<V
 }
 
 /// Appends every cell, and says how many there are.
-fn fill(values: &mut Values, column: &HeaderColumn, given: InMemory<'_>) -> Result<usize, Complaint> {
+fn fill(values: &mut Values, column: &HeaderColumn, mapped: bool, given: InMemory<'_>) -> Result<usize, Complaint> {
     let mut row = 0_usize;
     for cell in given.cells {
         row += 1;
         cell.and_then(|cell| values.push_given(cell))
-            .and_then(|()| values.check_last(column.role.column()))
+            .and_then(|()| values.check_last(column.role.column(), mapped))
             .map_err(|message| Complaint::new(&column.name, format!("row {row}: {message}")))?;
     }
     Ok(row)

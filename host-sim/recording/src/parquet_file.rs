@@ -60,7 +60,8 @@ fn read_columns(input: impl ChunkReader + 'static, wanted: Wanted<'_>) -> Result
             let mut row = rows_before;
             decode::each_cell(group.as_ref(), index, rows, |cell| {
                 row += 1;
-                let pushed = values.push_given(cell).and_then(|()| values.check_last(column.role.column()));
+                let pushed =
+                    values.push_given(cell).and_then(|()| values.check_last(column.role.column(), header.mapped));
                 pushed.map_err(|message| Complaint::new(&column.name, format!("row {row}: {message}")))
             })?;
         }

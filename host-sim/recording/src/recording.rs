@@ -52,6 +52,8 @@ pub struct Recording {
     pub gaps: Vec<usize>,
     /// Columns the format does not know, kept as text and reported; of a recording that was in memory without their cells.
     pub extra: Vec<(String, Vec<String>)>,
+    /// What was taken out on the way in, a sentence each: times that repeat, rows between two samples.
+    pub mended: Vec<String>,
 }
 
 /// The column of a simulation that names what stood beside the flashed law and replaced its commands.
@@ -163,8 +165,9 @@ impl Recording {
         if let Some(mode) = self.mode_beside_the_law() {
             notes.push(format!("{}: the mode `{mode}` commanded, not the flashed law", self.name));
         }
+        notes.extend(self.mended.iter().map(|mended| format!("{}: {mended}", self.name)));
         if !self.gaps.is_empty() {
-            // Time counts from another zero than in the log where that is mapped; rows are the same in both.
+            // Time counts from another zero than in the log where that is mapped; rows are the same in both but for those left out.
             let (row, since_s) = (self.gaps[0] + 1, self.t_s[self.gaps[0]] - self.t_s[0]);
             notes.push(format!(
                 "{}: rows are missing in {}, the first after row {row}, {since_s:.3} s after the start",
@@ -175,7 +178,7 @@ impl Recording {
         notes
     }
 
-    /// Puts checked columns in their places and looks for gaps.
+    /// Puts checked columns in their places, mends what the log has beside samples, and looks for gaps.
     pub(super) fn assemble(file: &Path, header: Header, values: Vec<Values>) -> Result<Self, Error> {
         let name = file.file_name().map_or_else(|| file.to_string_lossy(), OsStr::to_string_lossy).into_owned();
         let mut recording = Self { name, ..Self::empty(header.axis) };
@@ -191,6 +194,12 @@ impl Recording {
         if recording.t_s.is_empty() {
             return Err(Error::input(file, None, "", "the file holds a header but no rows"));
         }
+        if header.mapped {
+            recording
+                .mend_stamps()
+                .map_err(|message| Error::input(file, None, Column::Time.name(header.axis), message))?;
+        }
+        recording.mend_stale_rows();
         recording.gaps = gaps::find(&recording.t_s, recording.seq.as_deref());
         Ok(recording)
     }
@@ -215,6 +224,7 @@ impl Recording {
             counts: None,
             gaps: Vec::new(),
             extra: Vec::new(),
+            mended: Vec::new(),
         }
     }
 

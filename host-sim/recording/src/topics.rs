@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::Column;
-use super::columns::{Complaint, Header, Role, Wanted};
+use super::columns::{Complaint, Header, HeaderColumn, Role, Wanted};
 use super::values::{Cell, Values};
 use crate::Error;
 
@@ -142,9 +142,9 @@ fn joined(topics: &[Topic], wanted: Wanted<'_>) -> Result<(Header, Vec<Values>),
     };
     let rows = held_rows(topics, base, used)?;
     let mut values = Vec::with_capacity(header.columns.len());
-    for (column, (topic, (name, cells))) in header.columns.iter().zip(all()) {
+    for (column, (topic, (_, cells))) in header.columns.iter().zip(all()) {
         values.push(match &rows[topic] {
-            Some(rows) if column.role != Role::Skipped => taken(column.role, name, cells, rows)?,
+            Some(rows) if column.role != Role::Skipped => taken(column, header.mapped, cells, rows)?,
             _ => Values::Skipped,
         });
     }
@@ -152,11 +152,11 @@ fn joined(topics: &[Topic], wanted: Wanted<'_>) -> Result<(Header, Vec<Values>),
 }
 
 /// The cells of a column at these rows of its topic.
-fn taken(role: Role, name: &str, cells: &Series, rows: &[usize]) -> Result<Values, Complaint> {
-    let mut values = Values::new(role);
+fn taken(column: &HeaderColumn, mapped: bool, cells: &Series, rows: &[usize]) -> Result<Values, Complaint> {
+    let mut values = Values::new(column.role);
     for (row, at) in rows.iter().enumerate() {
-        let pushed = values.push_cell(cells.cell(*at)).and_then(|()| values.check_last(role.column()));
-        pushed.map_err(|message| Complaint::new(name, format!("row {}: {message}", row + 1)))?;
+        let pushed = values.push_cell(cells.cell(*at)).and_then(|()| values.check_last(column.role.column(), mapped));
+        pushed.map_err(|message| Complaint::new(&column.name, format!("row {}: {message}", row + 1)))?;
     }
     Ok(values)
 }

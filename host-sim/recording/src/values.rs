@@ -83,11 +83,13 @@ impl Values {
         }
     }
 
-    /// Whether the last cell may follow the one before it: time and sequence numbers rise.
-    pub(crate) fn check_last(&self, column: Option<Column>) -> Result<(), String> {
+    /// Whether the last cell may follow the one before it: time and sequence numbers rise. Times of a log that a mapping names may be
+    /// rounded so that they repeat, which is looked at when all are there.
+    pub(crate) fn check_last(&self, column: Option<Column>, mapped: bool) -> Result<(), String> {
         match (column, self) {
             (Some(Column::Time), Self::Real(values)) => {
-                values.last_chunk().map_or(Ok(()), |[before, last]| rises("time", *before, *last))
+                let pair = values.last_chunk().filter(|[before, last]| !(mapped && before == last));
+                pair.map_or(Ok(()), |[before, last]| rises("time", *before, *last))
             }
             (Some(Column::Seq), Self::Seq(values)) => {
                 values.last_chunk().map_or(Ok(()), |[before, last]| rises("the sequence number", *before, *last))

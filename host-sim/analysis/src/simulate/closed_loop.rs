@@ -247,6 +247,7 @@ pub fn record(name: &str, rows: &[Row]) -> Recording {
         fault: Some(rows.iter().map(|row| row.outputs.supervisor.faults().bits()).collect()),
         counts: Some(rows.iter().map(|row| i64::from(row.outputs.position.0)).collect()),
         gaps: Vec::new(),
+        mended: Vec::new(),
         extra: Vec::new(),
     }
 }

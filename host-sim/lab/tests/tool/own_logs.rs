@@ -175,6 +175,38 @@ fn commands_that_are_held_from_row_to_row() {
     }
 }
 
+/// Five rows of 1 ms for each sample that a bus brings, with a stamp of the row before every 400th time and rows behind the end that
+/// are the last one again.
+fn faster_than_its_bus(samples: &[[f64; 3]]) -> Vec<[f64; 3]> {
+    let mut rows: Vec<[f64; 3]> = samples.iter().flat_map(|sample| [*sample; 5]).collect();
+    for (row, [t_s, ..]) in rows.iter_mut().enumerate() {
+        *t_s = 1e-3 * (row - usize::from(row > 0 && row % 400 == 0)) as f64;
+    }
+    rows.extend([*rows.last().unwrap(); 40]);
+    rows
+}
+
+/// As recordings of a joint with a torque sensor were that a thesis published: rows of 1 ms, a new value every 15th, and times that
+/// repeat.
+#[test]
+#[cfg_attr(debug_assertions, ignore = "a minute without optimisation; the tests in release run it")]
+fn a_log_that_is_faster_than_its_bus() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("log.csv"), csv(&faster_than_its_bus(&cogging_joint(0.005)))).unwrap();
+    let printed = lab(folder.path(), &["init", "log.csv", "--map", "torque=Motor Current [A]:A*0.12"]);
+    println!("{printed}");
+    for note in
+        ["the time repeats in 19 places", "the last 40 rows are the one before again", "a new one in 1600 of 8000 rows"]
+    {
+        assert!(printed.contains(note), "{note}: {printed}");
+    }
+    let machine = Machine::read(&folder.path().join("machine.toml")).unwrap();
+    near(machine.axis.sample_period_s, 0.005, 0.01, "period, s");
+    near(machine.plant.inertia, 0.02, 0.05, "inertia, kg m2");
+    near(machine.plant.coulomb, 0.3, 0.15, "friction, N m");
+    answers(folder.path(), "log.csv");
+}
+
 /// The second thing that is named there is not there: what `init` rounds of the weight, 1 mN m of 1.5 N m, is no value that the
 /// judge varies.
 #[test]

@@ -40,6 +40,7 @@ fn decimated(recording: &Recording, n: usize) -> Recording {
         mode: None,
         velocity: None,
         gaps: Vec::new(),
+        mended: Vec::new(),
         ..recording.clone()
     }
 }

@@ -45,7 +45,7 @@ impl<'a> Search<'a> {
     /// The columns that fit, the likeliest first.
     fn fitting(&self, column: Column) -> Vec<Candidate<'a>> {
         let scored = |candidate: Candidate<'a>| {
-            let rising = column != Column::Time || rises(candidate.values);
+            let rising = column != Column::Time || never_runs_back(candidate.values);
             fit(self.table, candidate.name, column, self.axis)
                 .filter(|_| rising)
                 .map(|score| Candidate { score, ..candidate })
@@ -96,6 +96,11 @@ impl<'a> Search<'a> {
 
 fn rises(values: &[f64]) -> bool {
     values.windows(2).all(|pair| pair[1] > pair[0])
+}
+
+/// What a time by its name may do: stamps that are rounded repeat.
+fn never_runs_back(values: &[f64]) -> bool {
+    values.windows(2).all(|pair| pair[1] >= pair[0]) && values.first() < values.last()
 }
 
 /// What is wrong with the column that is the time by its unit: another that rises in its place, as a counter of rows does, would

@@ -41,7 +41,7 @@ prop_compose! {
             velocity: there[2].then(&mut real), effort_meas: there[3].then(&mut real),
             field_meas_kv_mm: there[4].then(&mut real), temperature_c: there[5].then(&mut real),
             mode: there[6].then_some(modes), seq: there[7].then_some(seq), fault: there[8].then_some(faults),
-            counts: there[9].then_some(counts), gaps: Vec::new(), extra: vec![("note".to_owned(), texts)],
+            counts: there[9].then_some(counts), gaps: Vec::new(), mended: Vec::new(), extra: vec![("note".to_owned(), texts)],
         }
     }
 }

@@ -38,6 +38,7 @@ pub(super) fn checks(file: &Path, machine: Option<&Machine>, given: Given<'_>) -
     let resolution = position_step(&recording.position).unwrap_or(0.0);
     let axis = Axis { kind: recording.axis, sample_period_s: period_s.clamp(1e-9, 1.0), resolution };
     let mut checks = vec![rate(&recording, period_s), jitter(&recording, period_s), gaps(&recording)];
+    checks.extend(recording.mended.iter().map(|mended| Check::new(State::Note, "rows", mended.clone())));
     checks.push(steps(&recording, resolution));
     checks.extend(wrapped);
     checks.extend(wrong_velocity(&recording).map(velocity));
