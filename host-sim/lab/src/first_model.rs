@@ -120,8 +120,12 @@ impl Fit {
     }
 }
 
-/// The first model of the machine of these recordings; none where nothing moves enough to tell anything.
+/// The first model of the machine of these recordings; none where nothing moves enough to tell anything, or no effort acts: of that
+/// a machine of no inertia is the best.
 pub fn first_model(axis: &Axis, recordings: &[Recording]) -> Option<FirstModel> {
+    if recordings.iter().flat_map(|recording| &recording.effort_cmd).all(|effort| *effort == 0.0) {
+        return None;
+    }
     let fits = LENGTHS_S.into_iter().filter_map(|length_s| first_model_of(axis, recordings, length_s));
     let doubt = |model: &FirstModel| model.inertia.within / model.inertia.value.abs();
     fits.min_by(|one, other| doubt(one).total_cmp(&doubt(other)))

@@ -286,6 +286,31 @@ mod tests {
     }
 
     #[test]
+    fn joints_may_be_told_by_numbers() {
+        let names = [
+            "timestamp",
+            "target_q_0",
+            "target_q_1",
+            "actual_q_0",
+            "actual_q_1",
+            "actual_current_0",
+            "actual_current_1",
+        ];
+        let error = found(&names, &[]).unwrap_err();
+        assert!(error.ends_with("give --joint with one of `0`, `1`"), "{error}");
+        let expected = [
+            r#"time = { name = "timestamp", unit = "s" }"#,
+            r#"reference = { name = "target_q_1", unit = "rad" }"#,
+            r#"position = { name = "actual_q_1", unit = "rad" }"#,
+            r#"torque = { name = "actual_current_1", unit = "A", scale = 1.0 }"#,
+        ];
+        assert_eq!(found_of(&names, Given { joint: Some("1"), ..Given::default() }).unwrap(), expected);
+        // All that is needed is given.
+        let given = found(&names, &["position=actual_q_1:rad", "torque=actual_current_0:A*2"]).unwrap();
+        assert_eq!(given[2], expected[2]);
+    }
+
+    #[test]
     fn columns_are_looked_for_beside_the_position() {
         let mut table = table(&["/imu.stamp_s", "/imu.x", "/motor.log_time_s", "/motor.angle", "/motor.torque"]);
         table.topics = vec![0, 0, 1, 1, 1];

@@ -1,16 +1,35 @@
-//! Logs of several joints (or runs): columns that share a name before their last dot, `/joint_states.elbow.position`.
+//! Logs of several joints (or runs): columns that share a name before their last dot, `/joint_states.elbow.position`, a number,
+//! `Position2` and `actual_q_2` and `run.q[2]`, or a first word that ends in one, `a1 position [rad]`.
 
 use super::nearest::{misspelt, quoted};
 use super::{Column, MapFlag, Table};
 
-/// What stands before the last dot of a name.
-fn before(name: &str) -> Option<&str> {
-    name.rsplit_once('.').map(|(before, _)| before)
+/// What of a name tells the joint.
+fn joint_of(name: &str) -> Option<&str> {
+    let digits = |text: &str| !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
+    let (plain, bracket) = match name.split_once('[') {
+        Some((plain, bracket)) => (plain, bracket.strip_suffix(']')),
+        None => (name.split('(').next().unwrap_or(name), None),
+    };
+    if let Some(index) = bracket.filter(|bracket| digits(bracket)) {
+        return Some(index);
+    }
+    if let Some((before, _)) = name.rsplit_once('.') {
+        return Some(before);
+    }
+    let plain = plain.trim();
+    let stem = plain.trim_end_matches(|letter: char| letter.is_ascii_digit());
+    if !stem.is_empty() && stem.len() < plain.len() {
+        return Some(&plain[stem.len()..]);
+    }
+    let first = plain.split([' ', '_']).next().filter(|first| first.len() < plain.len())?;
+    let is_numbered = first.starts_with(char::is_alphabetic) && first.ends_with(|letter: char| letter.is_ascii_digit());
+    is_numbered.then_some(first)
 }
 
 /// The joints of a log that have a position and an effort, and the one that is wanted.
 pub(crate) struct Joints<'a> {
-    /// Names before the last dot, in the order of the log.
+    /// What tells each in the names of its columns, in the order of the log.
     all: Vec<&'a str>,
     wanted: Option<&'a str>,
 }
@@ -30,8 +49,8 @@ impl<'a> Joints<'a> {
         let names = || table.numbers.iter().map(|(name, _)| name.as_str());
         let mut all: Vec<&str> = Vec::new();
         for name in names().filter(|name| fits(name, Column::Position)) {
-            let Some(joint) = before(name).filter(|joint| !all.contains(joint)) else { continue };
-            let of_joint = names().filter(|name| before(name) == Some(joint));
+            let Some(joint) = joint_of(name).filter(|joint| !all.contains(joint)) else { continue };
+            let of_joint = names().filter(|name| joint_of(name) == Some(joint));
             if of_joint.into_iter().any(|name| fits(name, Column::EffortCmd) || fits(name, Column::EffortMeas)) {
                 all.push(joint);
             }
@@ -41,10 +60,12 @@ impl<'a> Joints<'a> {
             Some(wanted) => Some(joints.named(wanted)?),
             None => flags
                 .iter()
-                .filter_map(|flag| before(table.column(&flag.name)?.0))
+                .filter_map(|flag| joint_of(table.column(&flag.name)?.0))
                 .find(|joint| joints.all.contains(joint)),
         };
-        if joints.wanted.is_none() && joints.all.len() > 1 {
+        let given = |column| flags.iter().any(|flag| flag.column == column);
+        let all_given = given(Column::Position) && given(Column::EffortCmd);
+        if joints.wanted.is_none() && joints.all.len() > 1 && !all_given {
             let count = joints.all.len();
             return Err(format!(
                 "the log has {count} joints (or runs), and a machine file is of one; give --joint with one of {}",
@@ -77,8 +98,36 @@ impl<'a> Joints<'a> {
 
     /// Whether the column is of another joint than the wanted one.
     pub(crate) fn is_of_another(&self, name: &str) -> bool {
-        let is =
-            |joint: &&str| Some(*joint) != self.wanted && name.strip_prefix(joint).is_some_and(|n| n.starts_with('.'));
+        let own = joint_of(name);
+        let is = |joint: &&str| {
+            let below = name.strip_prefix(joint).is_some_and(|rest| rest.starts_with('.'));
+            Some(*joint) != self.wanted && (own == Some(*joint) || below)
+        };
         self.wanted.is_some() && self.all.iter().any(is)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::joint_of;
+
+    #[test]
+    fn names_tell_the_joint_they_are_of() {
+        for (name, joint) in [
+            ("/joint_states.elbow.position", Some("/joint_states.elbow")),
+            ("Position12", Some("12")),
+            ("actual_q_0", Some("0")),
+            ("tau 3 [N m]", Some("3")),
+            ("run.q[2]", Some("2")),
+            ("a1 position [rad]", Some("a1")),
+            ("J2_pos", Some("J2")),
+            ("position [rad]", None),
+            ("Time (s)", None),
+            ("2", None),
+            ("t", None),
+            ("", None),
+        ] {
+            assert_eq!(joint_of(name), joint, "{name}");
+        }
     }
 }

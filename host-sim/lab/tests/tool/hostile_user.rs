@@ -114,9 +114,12 @@ fn a_time_that_is_broken_is_not_replaced_by_a_counter() {
     let (folder, text) = folder();
     let file = folder.path().join("log.csv");
     let init = ["init", "log.csv", "-o", "new.toml"];
-    let repeats = |row: usize, cell: &str| if row == 100 { "0.0495".to_owned() } else { cell.to_owned() };
-    fs::write(&file, with_column(&text, "t_s", repeats)).unwrap();
-    refused(folder.path(), &init, "`t_s` does not rise from 0.0495 to 0.0495, rows 100 and 101");
+    let at_row_100 =
+        |stamp: &'static str| move |row: usize, cell: &str| if row == 100 { stamp } else { cell }.to_owned();
+    fs::write(&file, with_column(&text, "t_s", at_row_100("0.0495"))).unwrap();
+    refused(folder.path(), &init, "log.csv:102: t_s: time 0.0495 repeats");
+    fs::write(&file, with_column(&text, "t_s", at_row_100("0.01"))).unwrap();
+    refused(folder.path(), &init, "`t_s` does not rise from 0.0495 to 0.01, rows 100 and 101");
     fs::write(&file, with_column(&text, "t_s", |row, cell| if row == 7 { "NaN".into() } else { cell.into() })).unwrap();
     refused(folder.path(), &init, "`t_s` holds cells that are no finite numbers");
     fs::write(&file, text.lines().take(2).collect::<Vec<_>>().join("\n") + "\n").unwrap();

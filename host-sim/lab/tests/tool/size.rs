@@ -6,10 +6,11 @@ use assert_cmd::cargo::cargo_bin;
 
 /// 17.9 MB on 64-bit Linux when this was written, its symbols among it (14.5 MB without), and a tenth to grow; it was 67 MB with
 /// line tables. What goes beyond it is a library to look at, or a profile that has been changed. Kinds of the proof add to it: 38 of them came
-/// with 0.1 MB and 25 more with 0.07 MB, which are allowed for since; so are 0.05 MB for the judge's own code, which came without a
+/// with 0.1 MB, 25 more with 0.07 MB and 30 more with 0.06 MB, which are allowed for since; so are 0.05 MB for the judge's own code, which came without a
 /// library, and 1.03 MB for logs of other programs: zstd in C, by which Parquet is unpacked, is 0.63 of them, the encodings of text 0.16; and
-/// 0.09 MB for help, examples and looks at a log, and 0.05 MB for passes of their own for machines without a state beside the rotor's.
-const LARGEST_BYTES: u64 = 21_100_000;
+/// 0.09 MB for help, examples and looks at a log, 0.05 MB for passes of their own for machines without a state beside the rotor's, and
+/// 0.06 MB for logs with rounded times, of slower buses and of numbered joints.
+const LARGEST_BYTES: u64 = 21_220_000;
 
 #[test]
 #[cfg_attr(debug_assertions, ignore = "of a release build")]

@@ -6,10 +6,10 @@ use crate::{AxisKind, Column, Table};
 /// Words of names, in small letters, by what they mean; the likeliest first. A stamp is of the machine, other times may be
 /// when it was logged.
 const TIME: &[&str] = &["stamp", "t", "time", "timestamp", "ts", "seconds", "sec", "clock", "zeit"];
-const POSITION: &[&str] = &["position", "pos", "angle", "theta", "q", "x", "enc", "encoder", "phi", "q1", "winkel"];
+const POSITION: &[&str] = &["position", "pos", "angle", "theta", "q", "x", "enc", "encoder", "phi", "winkel"];
 const VELOCITY: &[&str] = &["velocity", "vel", "speed", "omega", "qd", "dq", "w", "v"];
 const EFFORT: &[&str] =
-    &["torque", "force", "tau", "effort", "trq", "current", "cur", "iq", "i", "u", "f", "voltage", "strom"];
+    &["torque", "force", "tau", "effort", "trq", "moment", "current", "cur", "iq", "i", "u", "f", "voltage", "strom"];
 /// Words that make a position the one that is wanted,
 const WANTED: &[&str] =
     &["reference", "ref", "setpoint", "set", "target", "des", "desired", "demand", "goal", "sp", "cmd", "command"];
@@ -21,10 +21,12 @@ pub(super) fn fit(table: &Table, name: &str, column: Column, axis: AxisKind) -> 
     let words = words(telling(name));
     let whole = self::words(name);
     // That a value is wanted or measured is told by a topic as well.
-    let any = |list: &[&str]| words.iter().chain(&whole).any(|word| list.contains(&word.as_str()));
-    let is = |list: &[&str]| words.iter().any(|word| list.contains(&word.as_str()));
+    let any = |list: &[&str]| words.iter().chain(&whole).any(|word| is_one_of(word, list));
+    let is = |list: &[&str]| words.iter().any(|word| is_one_of(word, list));
     let rank = |list: &[&str]| {
-        list.iter().position(|known| words.iter().any(|word| word == known)).map(|place| (list.len() - place) as u32)
+        list.iter()
+            .position(|known| words.iter().any(|word| is_one_of(word, &[*known])))
+            .map(|place| (list.len() - place) as u32)
     };
     let quantity = table.unit(name).and_then(|unit| units::measure(&unit)).map(|measure| measure.quantity);
     let by_word = match column {
@@ -51,8 +53,13 @@ pub(super) fn fit(table: &Table, name: &str, column: Column, axis: AxisKind) -> 
 /// effort, whatever the joint is called.
 pub(super) fn telling(name: &str) -> &str {
     let last = name.rsplit_once('.').map_or(name, |(_, last)| last);
-    let known = |word: &String| [TIME, POSITION, VELOCITY, EFFORT].iter().any(|list| list.contains(&word.as_str()));
+    let known = |word: &String| [TIME, POSITION, VELOCITY, EFFORT].iter().any(|list| is_one_of(word, list));
     if words(last).iter().any(known) { last } else { name }
+}
+
+/// Whether a word is one of a list, be it with the number of a joint behind it.
+fn is_one_of(word: &str, list: &[&str]) -> bool {
+    list.contains(&word) || list.contains(&word.trim_end_matches(|letter: char| letter.is_ascii_digit()))
 }
 
 /// The words of a name: parted by signs and by capitals, without its unit.

@@ -204,7 +204,9 @@ fn next(findings: &Findings<'_>, machine: &Machine, file: &Path) -> String {
 
 /// Gravity, and how much of the effort the model explains.
 fn how_good(model: Option<&FirstModel>, kind: AxisKind, unit: &str) -> String {
-    let Some(model) = model else { return "UNSURE  nothing moves enough for a first model\n".to_owned() };
+    let Some(model) = model else {
+        return "UNSURE  nothing moves enough for a first model, or no effort acts\n".to_owned();
+    };
     let mut text = String::new();
     if let Some((amplitude, phase_rad)) = model.gravity {
         let value =
