@@ -163,16 +163,19 @@ fn rejected(conclusion: &Conclusion) -> Vec<Rejected> {
     let one = |one: &diagnosis::search::Rejected| Rejected {
         id: one.effect.id.to_owned(),
         heldout_gain: one.gain,
-        why: if one.certain {
-            format!(
-                "it would certainly add {:.1} to the log-likelihood, but too little to the motion to be named",
-                one.rise
-            )
-        } else {
-            format!("it would add {:.1} to the log-likelihood, which chance and its free values may", one.rise)
-        },
+        why: why(one),
     };
     conclusion.rejected.iter().filter(|one| one.rise > 0.0).map(one).collect()
+}
+
+/// Why it was not taken.
+fn why(one: &diagnosis::search::Rejected) -> String {
+    let adds = format!("add {:.1} to the log-likelihood", one.rise);
+    match (one.certain, one.gain) {
+        (true, _) => format!("it would certainly {adds}, but too little to the motion to be named"),
+        (false, Some(gain)) if gain < 0.0 => format!("it would {adds}, but predict the held-out motion worse"),
+        (false, _) => format!("it would {adds}, which its free values and the scatter from block to block may"),
+    }
 }
 
 /// What the user should know before believing the answer; where it is told already what to do next, not another time.
