@@ -20,10 +20,11 @@ fn bent(file: &[u8], bends: &[u8]) -> Vec<u8> {
     file
 }
 
-/// What a file of each format begins and ends with: MCAP, MATLAB, ULog with its flags, JSON of SysId; of HDF5 a bent one.
+/// What a file of each format begins and ends with: MCAP, MATLAB, ULog with its flags, JSON of SysId, a list in
+/// JSON; of HDF5 a bent one.
 fn dressed(kind: u8, bytes: &[u8]) -> Vec<u8> {
     const MCAP: &[u8] = b"\x89MCAP0\r\n";
-    match kind % 6 {
+    match kind % 7 {
         0 => [MCAP, bytes, MCAP].concat(),
         1 => {
             let mut header = b"MATLAB 5.0 MAT-file".to_vec();
@@ -33,6 +34,7 @@ fn dressed(kind: u8, bytes: &[u8]) -> Vec<u8> {
         2 => [b"ULog\x01\x12\x35\x01\0\0\0\0\0\0\0\0\x28\0B", &[0; 40][..], bytes].concat(),
         3 => [b"{\"sysid\":true,", bytes, b"}"].concat(),
         4 => bent(HDF5, bytes),
+        5 => [b"[{", bytes, b"}]"].concat(),
         _ => bytes.to_vec(),
     }
 }

@@ -14,6 +14,7 @@ mod guess;
 mod hdf5_file;
 mod in_memory;
 mod joints;
+mod json_file;
 mod log_file;
 mod machine;
 mod machine_file;

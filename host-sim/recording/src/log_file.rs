@@ -10,7 +10,7 @@ use bytes::Bytes;
 use super::columns::{Header, Wanted};
 use super::topics::{self, Topic};
 use super::values::Values;
-use super::{csv_file, hdf5_file, mat_file, mcap_file, parquet_file, sysid_file, ulog_file};
+use super::{csv_file, hdf5_file, json_file, mat_file, mcap_file, parquet_file, ulog_file};
 use crate::Error;
 
 /// Formats that are read, and what of each becomes a column: for messages, help and `docs/formats.md`, which a test compares.
@@ -39,8 +39,9 @@ pub const FORMATS: &[(&str, &str)] = &[
     ),
     ("PX4 ULog", "each field of each logged message, `actuator_motors.control[0]`"),
     (
-        "JSON of WPILib's SysId (to 2023)",
-        "time, voltage, position, velocity; the tests one after another with a gap between two",
+        "JSON (also an object a line; WPILib's SysId to 2023)",
+        "of a list of objects each number by its path, `motor.position`; of an object each list of objects, `entries.position`, and each list \
+         of numbers, `run.q`; of SysId time, voltage, position and velocity, its tests one after another with a gap between two",
     ),
 ];
 
@@ -99,7 +100,7 @@ fn read_input(file: &Path, input: Input, wanted: Wanted<'_>) -> Result<Log, Erro
                 Format::Mat => mat_file::read(file, &bytes),
                 Format::Hdf5 => hdf5_file::read(file, &bytes),
                 Format::Ulog => ulog_file::read(file, &bytes),
-                Format::SysId => sysid_file::read(file, &bytes),
+                Format::Json => json_file::read(file, &bytes),
                 Format::Mcap | Format::Csv | Format::Parquet => mcap_file::read(file, &bytes),
             };
             return topics.map(Log::Topics);
@@ -116,7 +117,7 @@ enum Format {
     Mat,
     Hdf5,
     Ulog,
-    SysId,
+    Json,
 }
 
 /// What a file is opened as.
@@ -242,8 +243,9 @@ fn format(file: &Path, head: &[u8]) -> Result<Format, Error> {
     if let Some((_, what)) = NOT_READ.iter().find(|(first, _)| head.starts_with(first)) {
         return other(what);
     }
-    if head.trim_ascii_start().starts_with(b"{") {
-        return Ok(Format::SysId);
+    let text = head.trim_ascii_start();
+    if text.starts_with(b"{") || text.strip_prefix(b"[").is_some_and(|list| list.trim_ascii_start().starts_with(b"{")) {
+        return Ok(Format::Json);
     }
     // Text has no signs of control but those of its lines; the end of text of old editors is let pass.
     let is_text = |byte: &u8| *byte >= b' ' || matches!(byte, b'\t' | b'\n' | b'\r' | b'\x0c' | b'\x1a');

@@ -4,7 +4,7 @@
 //! `/joint_states.elbow.position`. What this tool wrote keeps its own names. Two more columns tell the time, s since the first
 //! message: `log_time_s`, when it was logged, and `stamp_s`, the machine's own clock, where messages have a `header.stamp`.
 
-mod message;
+pub(crate) mod message;
 mod protobuf;
 
 use std::borrow::Cow;

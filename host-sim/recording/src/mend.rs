@@ -58,7 +58,8 @@ impl Recording {
             let (area, time_s) = (from..to).fold((0.0, 0.0), |(area, time_s), row| {
                 (area + self.effort_cmd[row] * until_s(row), time_s + until_s(row))
             });
-            if time_s > 0.0 { area / time_s } else { self.effort_cmd[from] }
+            let mean = area / time_s;
+            if mean.is_finite() { mean } else { self.effort_cmd[from] }
         };
         let ends = samples.iter().skip(1).copied().chain([rows]);
         let effort_cmd = samples.iter().copied().zip(ends).map(mean).collect();

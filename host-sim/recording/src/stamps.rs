@@ -46,7 +46,7 @@ fn spread(stamps: &[f64]) -> Result<Vec<f64>, usize> {
     let own = |(from, to): (usize, usize)| stamps.get(to).map(|next| (next - stamps[from]) / (to - from) as f64);
     let mut all: Vec<f64> = groups().filter_map(own).collect();
     all.sort_by(f64::total_cmp);
-    let Some(&usual) = all.get(all.len() / 2) else { return Err(1) };
+    let Some(&usual) = all.get(all.len() / 2).filter(|usual| usual.is_finite()) else { return Err(1) };
     let mut risen = Vec::with_capacity(stamps.len());
     for group in groups() {
         let step = own(group).filter(|step| *step <= MOST_OF_USUAL * usual).unwrap_or(usual);
@@ -55,7 +55,11 @@ fn spread(stamps: &[f64]) -> Result<Vec<f64>, usize> {
         }
         risen.extend((0..group.1 - group.0).map(|row| stamps[group.0] + row as f64 * step));
     }
-    Ok(risen)
+    // Times so large that a part of their step is lost in rounding.
+    match risen.windows(2).position(|pair| pair[0] >= pair[1]) {
+        Some(row) => Err(row + 1),
+        None => Ok(risen),
+    }
 }
 
 #[cfg(test)]
@@ -101,5 +105,6 @@ mod tests {
         stamps.splice(50..50, [49.0; 30]);
         assert_eq!(repeats(&stamps, |_| false), Err(50));
         assert_eq!(repeats(&[1.0; 9], |row| row < 5), Err(1));
+        assert_eq!(repeats(&[1e17, 1e17, 1e17 + 16.0], |_| false), Err(1));
     }
 }

@@ -3,12 +3,9 @@
 //! The tests follow one another as one recording, in the order they were made; between two is a gap. Positions are in turns of the
 //! mechanism; where its unit is a length, they become metres. Later versions write WPILOG.
 
-use std::path::Path;
-
 use serde_json::{Map, Value};
 
 use super::topics::{Series, Topic};
-use crate::Error;
 
 /// Tests whose clock began anew are put this long after the one before, s: longer than any sample period, so that it is a gap.
 const BETWEEN_S: f64 = 1.0;
@@ -19,19 +16,10 @@ const DRIVETRAIN: usize = 9;
 /// One of a unit in metres; 1 m is 1 / 0.3048 ft.
 const LENGTHS_M: [(&str, f64); 3] = [("meters", 1.0), ("feet", 0.3048), ("inches", 0.0254)];
 
-/// The topics of a SysId file, of which there is one.
-pub(crate) fn read(file: &Path, bytes: &[u8]) -> Result<Vec<Topic>, Error> {
-    topic(bytes).map(|topic| vec![topic]).map_err(|message| Error::input(file, None, "", message))
-}
-
-fn topic(bytes: &[u8]) -> Result<Topic, String> {
-    let log: Map<String, Value> = serde_json::from_slice(bytes)
-        .map_err(|error| format!("is not JSON that can be read, or was cut short: {error}"))?;
-    if log.get("sysid") != Some(&Value::Bool(true)) {
-        return Err("is JSON, but not of WPILib's SysId; of JSON, only that is read".to_owned());
-    }
+/// The topic of a SysId file, of which there is one; the message says what is wrong.
+pub(crate) fn topic(log: &Map<String, Value>) -> Result<Topic, String> {
     let mut tests = Vec::new();
-    for (name, value) in &log {
+    for (name, value) in log {
         if let Value::Array(rows) = value {
             let rows = rows.iter().enumerate().map(|(row, value)| numbers(name, row, value));
             tests.push(rows.collect::<Result<Vec<_>, _>>()?);
@@ -40,7 +28,7 @@ fn topic(bytes: &[u8]) -> Result<Topic, String> {
     tests.retain(|rows| !rows.is_empty());
     tests.sort_by(|one, other| one[0][0].total_cmp(&other[0][0]));
     let Some(width) = tests.first().map(|rows| rows[0].len()) else { return Err("it holds no test".to_owned()) };
-    let names = names(&log, width)?;
+    let names = names(log, width)?;
     let mut columns: Vec<Vec<f64>> = vec![Vec::new(); width];
     for rows in &tests {
         let last_s = columns[0].last().copied();
@@ -101,12 +89,16 @@ mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
 
+    fn object(text: &str) -> Map<String, Value> {
+        serde_json::from_str(text).unwrap()
+    }
+
     fn columns(text: &str) -> Vec<(String, Vec<f64>)> {
         let numbers = |(name, series)| match series {
             Series::Numbers(values) => (name, values),
             Series::Texts(_) => unreachable!(),
         };
-        topic(text.as_bytes()).unwrap().columns.into_iter().map(numbers).collect()
+        topic(&object(text)).unwrap().columns.into_iter().map(numbers).collect()
     }
 
     #[test]
@@ -124,13 +116,11 @@ mod tests {
     #[test]
     fn what_is_wrong_is_named() {
         for (text, message) in [
-            ("{\"a\": 1}", "is JSON, but not of WPILib's SysId"),
-            ("{\"sysid\": true", "or was cut short"),
             ("{\"sysid\": true}", "it holds no test"),
             ("{\"sysid\": true, \"slow-forward\": [[1, \"x\"]]}", "slow-forward: row 1 is not a list of numbers"),
             ("{\"sysid\": true, \"slow-forward\": [[1, 2]]}", "its rows have 2 numbers"),
         ] {
-            let error = topic(text.as_bytes()).unwrap_err();
+            let error = topic(&object(text)).unwrap_err();
             assert!(error.contains(message), "{error}");
         }
     }

@@ -95,7 +95,7 @@ fn joints_by_objects(fields: &Map<String, Value>) -> Option<Vec<Row>> {
 }
 
 /// Every number and text below a value by its path; a time of seconds and nanoseconds is one number.
-fn flatten(path: &str, value: &Value, begin_ns: u64, to: &mut Vec<(String, Field)>) {
+pub(crate) fn flatten(path: &str, value: &Value, begin_ns: u64, to: &mut Vec<(String, Field)>) {
     match value {
         Value::Number(number) => to.extend(number.as_f64().map(|number| (path.to_owned(), Field::Number(number)))),
         Value::Bool(flag) => to.push((path.to_owned(), Field::Number(f64::from(u8::from(*flag))))),
