@@ -5,7 +5,7 @@ use std::path::Path;
 use serde_json::{Deserializer, Value};
 
 use super::mcap_file::message::flatten;
-use super::sysid_file;
+use super::sysid_file::{self, numbers};
 use super::topics::{Series, Topic};
 use crate::Error;
 
@@ -34,7 +34,6 @@ fn topics(bytes: &[u8]) -> Result<Vec<Topic>, String> {
 
 /// Adds what of a value is rows; `path` is where it is.
 fn look(path: &str, value: &Value, deepest: usize, to: &mut Vec<Topic>) -> Result<(), String> {
-    let below = |name: &str| if path.is_empty() { name.to_owned() } else { format!("{path}.{name}") };
     match value {
         Value::Array(rows) if !rows.is_empty() && rows.iter().all(Value::is_object) => to.push(of_objects(path, rows)?),
         Value::Array(rows) if !rows.is_empty() => to.extend(of_lists(path, rows)),
@@ -42,8 +41,8 @@ fn look(path: &str, value: &Value, deepest: usize, to: &mut Vec<Topic>) -> Resul
             let mut plain: Vec<(String, Vec<f64>)> = Vec::new();
             for (name, value) in members {
                 match numbers(value) {
-                    Some(values) if !values.is_empty() => plain.push((below(name), values)),
-                    _ => look(&below(name), value, deepest - 1, to)?,
+                    Some(values) if !values.is_empty() => plain.push((below(path, name), values)),
+                    _ => look(&below(path, name), value, deepest - 1, to)?,
                 }
             }
             // Lists of one length are columns of one table.
@@ -65,8 +64,7 @@ fn of_objects(path: &str, rows: &[Value]) -> Result<Topic, String> {
     for row in rows {
         let mut fields = Vec::new();
         for (name, value) in row.as_object().into_iter().flatten() {
-            let name = if path.is_empty() { name.clone() } else { format!("{path}.{name}") };
-            flatten(&name, value, 0, &mut fields);
+            flatten(&below(path, name), value, 0, &mut fields);
         }
         topic.push(0, fields)?;
     }
@@ -90,8 +88,9 @@ fn of_columns(columns: Vec<(String, Vec<f64>)>) -> Topic {
     Topic { logged_ns: Vec::new(), columns }
 }
 
-fn numbers(value: &Value) -> Option<Vec<f64>> {
-    value.as_array()?.iter().map(Value::as_f64).collect()
+/// The path of a member.
+fn below(path: &str, name: &str) -> String {
+    if path.is_empty() { name.to_owned() } else { format!("{path}.{name}") }
 }
 
 #[cfg(test)]

@@ -27,17 +27,17 @@ impl Recording {
                     .push(format!("{} repeat the row before with its time, and are left out", rows_of(again.len())));
             }
             Repeats::Spread(t_s, count) => {
-                let behind = self.rows() - t_s.len();
-                self.keep(&(0..t_s.len()).collect::<Vec<_>>());
-                self.t_s = t_s;
                 self.mended.push(format!(
                     "the time repeats in {}, as it does where it is rounded: those rows are spread evenly to the next time",
                     places(count)
                 ));
+                let behind = self.rows() - t_s.len();
                 if behind > 0 {
+                    self.keep(&(0..t_s.len()).collect::<Vec<_>>());
                     self.mended
                         .push(format!("the last {} are the one before again, and are left out", rows_of(behind)));
                 }
+                self.t_s = t_s;
             }
         }
         Ok(())

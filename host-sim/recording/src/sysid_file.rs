@@ -21,7 +21,7 @@ pub(crate) fn topic(log: &Map<String, Value>) -> Result<Topic, String> {
     let mut tests = Vec::new();
     for (name, value) in log {
         if let Value::Array(rows) = value {
-            let rows = rows.iter().enumerate().map(|(row, value)| numbers(name, row, value));
+            let rows = rows.iter().enumerate().map(|(row, value)| numbers_of(name, row, value));
             tests.push(rows.collect::<Result<Vec<_>, _>>()?);
         }
     }
@@ -46,9 +46,13 @@ pub(crate) fn topic(log: &Map<String, Value>) -> Result<Topic, String> {
     Ok(Topic { logged_ns: Vec::new(), columns: columns.collect() })
 }
 
-fn numbers(test: &str, row: usize, value: &Value) -> Result<Vec<f64>, String> {
-    let numbers = value.as_array().map(|cells| cells.iter().map(Value::as_f64).collect::<Option<Vec<f64>>>());
-    let numbers = numbers.flatten().filter(|numbers| !numbers.is_empty());
+/// The numbers of a list; none of what is no list of numbers alone.
+pub(crate) fn numbers(value: &Value) -> Option<Vec<f64>> {
+    value.as_array()?.iter().map(Value::as_f64).collect()
+}
+
+fn numbers_of(test: &str, row: usize, value: &Value) -> Result<Vec<f64>, String> {
+    let numbers = numbers(value).filter(|numbers| !numbers.is_empty());
     numbers.ok_or_else(|| format!("{test}: row {} is not a list of numbers", row + 1))
 }
 
