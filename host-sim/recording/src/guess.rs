@@ -7,7 +7,7 @@ use super::joints::Joints;
 use super::nearest::{misspelt, quoted};
 use super::units::{self, Quantity};
 use super::{AxisKind, Column, MapFlag, MappedColumn, Mapping, Table};
-use names::{fit, telling, words};
+use names::{fit, is_one_of, telling, words};
 use search::{Search, dates};
 
 /// Sample periods of drives, s; a clock whose steps are outside is in another unit.
@@ -149,7 +149,7 @@ fn unit_of(table: &Table, column: Column, axis: AxisKind, (name, values): (&str,
     }
     let words = words(telling(name));
     if matches!(column, Column::EffortCmd | Column::EffortMeas) {
-        let any = |list: &[&str]| words.iter().any(|word| list.contains(&word.as_str()));
+        let any = |list: &[&str]| words.iter().any(|word| is_one_of(word, list));
         if any(&["current", "cur", "iq", "i", "strom"]) {
             return ("A".to_owned(), "a current by its name".to_owned(), true);
         }
@@ -305,6 +305,12 @@ mod tests {
             r#"torque = { name = "actual_current_1", unit = "A", scale = 1.0 }"#,
         ];
         assert_eq!(found_of(&names, Given { joint: Some("1"), ..Given::default() }).unwrap(), expected);
+        let currents =
+            found_of(&["t", "q1", "q2", "iq1", "iq2"], Given { joint: Some("2"), ..Given::default() }).unwrap();
+        assert_eq!(
+            currents[2], r#"torque = { name = "iq2", unit = "A", scale = 1.0 }"#,
+            "a current, whatever its joint"
+        );
         // All that is needed is given.
         let given = found(&names, &["position=actual_q_1:rad", "torque=actual_current_0:A*2"]).unwrap();
         assert_eq!(given[2], expected[2]);

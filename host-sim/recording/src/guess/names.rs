@@ -58,7 +58,7 @@ pub(super) fn telling(name: &str) -> &str {
 }
 
 /// Whether a word is one of a list, be it with the number of a joint behind it.
-fn is_one_of(word: &str, list: &[&str]) -> bool {
+pub(super) fn is_one_of(word: &str, list: &[&str]) -> bool {
     list.contains(&word) || list.contains(&word.trim_end_matches(|letter: char| letter.is_ascii_digit()))
 }
 
