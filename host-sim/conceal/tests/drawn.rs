@@ -69,11 +69,11 @@ fn any_stretch_of_seeds_has_machines_of_all_kinds_finite_and_the_same_again() {
     }
 }
 
-/// The kinds that a family with that index comes up with in three seeds, or fewer where these are all that it has.
-fn kinds_of(index: usize, family: &'static str) -> BTreeSet<String> {
+/// The kinds that a family with that index comes up with in so many seeds, or fewer where these are all that it has.
+fn kinds_of(index: usize, family: &'static str, seeds: u64) -> BTreeSet<String> {
     let all = conceal::outside::kinds().filter(|kind| kind.family == family).count();
     let mut seen = BTreeSet::new();
-    for seed in 0..3 {
+    for seed in 0..seeds {
         if seen.len() == all {
             break;
         }
@@ -88,22 +88,37 @@ fn kinds_of(index: usize, family: &'static str) -> BTreeSet<String> {
     seen
 }
 
-#[test]
-fn every_kind_outside_and_every_effect_of_the_vocabulary_comes_up_and_runs() {
-    // The kinds of one family after another: what the draws of many rounds meet. Two at a time, for it is the longest test here.
+/// How many kinds the families come up with in so many seeds each, one family after another, two at a time; each has one.
+fn kinds_that_come_up(seeds: u64) -> usize {
     let families = conceal::outside::families();
     let next = AtomicUsize::new(0);
-    let some = || -> BTreeSet<String> {
+    let some = || -> usize {
         let index = || Some(next.fetch_add(1, Ordering::Relaxed)).filter(|index| *index < families.len());
-        std::iter::from_fn(index).flat_map(|index| kinds_of(index, families[index])).collect()
+        let kinds = |index: usize| {
+            let kinds = kinds_of(index, families[index], seeds);
+            assert!(!kinds.is_empty(), "{}", families[index]);
+            kinds.len()
+        };
+        std::iter::from_fn(index).map(kinds).sum()
     };
     let seen = std::thread::scope(|scope| {
         let beside = scope.spawn(some);
-        &some() | &beside.join().unwrap()
+        some() + beside.join().unwrap()
     });
-    println!("{} of {} kinds", seen.len(), conceal::outside::kinds().count());
+    println!("{seen} of {} kinds", conceal::outside::kinds().count());
+    seen
+}
+
+#[test]
+fn every_family_outside_comes_up_and_runs() {
+    kinds_that_come_up(1);
+}
+
+#[test]
+#[ignore = "minutes, for who adds kinds: cargo test --release -p conceal --test drawn -- --ignored --nocapture"]
+fn nearly_every_kind_outside_comes_up_and_runs() {
     // All but those whose sizes jump past what is asked for: 146 of 179 when this was written.
-    assert!(seen.len() >= 143, "{seen:?}");
+    assert!(kinds_that_come_up(3) >= 143);
 }
 
 #[test]

@@ -25,20 +25,35 @@ pub fn run(mut command: Command) -> Result<(), String> {
     }
 }
 
-/// Starts a command that runs beside what comes next. What is returned waits for its end and shows its output.
+/// Starts commands that run one after another beside what comes next, up to the first that fails. What is returned waits for their end
+/// and shows their output.
 ///
 /// # Errors
 ///
 /// As [`run`].
-pub fn beside(mut command: Command) -> impl FnOnce() -> Result<(), String> {
-    let shown = shown(&command);
-    let running = std::thread::spawn(move || command.stdin(Stdio::null()).output());
+pub fn beside(commands: Vec<Command>) -> impl FnOnce() -> Result<(), String> {
+    let all = move || {
+        let mut said = String::new();
+        let ended = commands.into_iter().try_for_each(|command| kept(command, &mut said));
+        (said, ended)
+    };
+    let running = std::thread::spawn(all);
     move || {
-        let ended = running.join().map_err(|_| format!("`{shown}` was not waited for"))?;
-        let output = ended.map_err(|error| format!("`{shown}` could not be started: {error}"))?;
-        print!("{}{}", String::from_utf8_lossy(&output.stderr), String::from_utf8_lossy(&output.stdout));
-        if output.status.success() { Ok(()) } else { Err(format!("`{shown}` failed ({})", output.status)) }
+        let (said, ended) = running.join().map_err(|_| "what ran beside the other steps ended early".to_owned())?;
+        print!("{said}");
+        ended
     }
+}
+
+/// Runs to the end and adds the child's output to what was `said`.
+fn kept(mut command: Command, said: &mut String) -> Result<(), String> {
+    let shown = shown(&command);
+    let output =
+        command.stdin(Stdio::null()).output().map_err(|error| format!("`{shown}` could not be started: {error}"))?;
+    for part in [&output.stderr, &output.stdout] {
+        said.push_str(&String::from_utf8_lossy(part));
+    }
+    if output.status.success() { Ok(()) } else { Err(format!("`{shown}` failed ({})", output.status)) }
 }
 
 /// Standard output of a command that succeeds, without the line end; `None` otherwise.

@@ -13,13 +13,30 @@ use crate::{firmware, python, root};
 ///
 /// The first step that fails.
 pub fn all() -> Result<(), String> {
-    let root = root();
-    let board = root.join("host-sim/board");
+    let board = root().join("host-sim/board");
     println!("set up: {}", set_up());
 
+    let on_board = |arguments: &[&str]| cargo(&board, arguments);
+    // A workspace of its own, so it can be built beside the others: either has crates that keep one core for minutes.
+    let board_build = beside(vec![
+        on_board(&["clippy", "--release", "--ignore-rust-version", "--all-targets", "--", "-D", "warnings"]),
+        on_board(&["test", "--release", "--ignore-rust-version", "--no-run"]),
+    ]);
+    let mut steps = Steps::default();
+    let workspace = of_workspace(&mut steps);
+    // Waited for whatever failed, so that nothing goes on when this ends.
+    let built = steps.step("board clippy and build", board_build);
+    workspace.and(built)?;
+    steps.run("board fmt", on_board(&["fmt", "--check"]))?;
+    steps.step("board tests", || board_tests(on_board))?;
+    println!("xtask test: all passed: {}", steps.summary());
+    Ok(())
+}
+
+/// The steps of the workspace, its image and its Python package.
+fn of_workspace(steps: &mut Steps) -> Result<(), String> {
     // Its packages come over the network, and what compiles leaves that alone.
     let python = thread::spawn(python::environment);
-    let mut steps = Steps::default();
     steps.cargo("fmt", &["fmt", "--all", "--check"])?;
     // Of the release profile, whose macros and build scripts the tests take over.
     let lint = ["clippy", "--release", "--workspace"];
@@ -28,7 +45,7 @@ pub fn all() -> Result<(), String> {
     // Who has no probe never builds it.
     steps.cargo("clippy, no probe", &[&lint[..], &denied].concat())?;
     steps.run("doc", {
-        let mut command = cargo(&root, &["doc", "--release", "--workspace", "--no-deps", "--document-private-items"]);
+        let mut command = cargo(&root(), &["doc", "--release", "--workspace", "--no-deps", "--document-private-items"]);
         command.env("RUSTDOCFLAGS", "-D warnings");
         command
     })?;
@@ -43,21 +60,13 @@ pub fn all() -> Result<(), String> {
     steps.step("python", || {
         python::in_all_tests(python.join().map_err(|_| "the environment was not made".to_owned())?)
     })?;
-    steps.step("firmware clippy", firmware::lint)?;
-    let on_board = |arguments: &[&str]| cargo(&board, arguments);
-    steps.run("board fmt", on_board(&["fmt", "--check"]))?;
-    steps.run("board clippy", {
-        on_board(&["clippy", "--release", "--ignore-rust-version", "--all-targets", "--", "-D", "warnings"])
-    })?;
-    steps.step("board tests", || board_tests(on_board))?;
-    println!("xtask test: all passed: {}", steps.summary());
-    Ok(())
+    steps.step("firmware clippy", firmware::lint)
 }
 
 /// The tests of the emulated board: the commissioning, a minute of one core, beside the others.
 fn board_tests(on_board: impl Fn(&[&str]) -> Command) -> Result<(), String> {
     let test = ["test", "--release", "--ignore-rust-version"];
-    let commissioning = beside(on_board(&[&test[..], &["--test", "commission"]].concat()));
+    let commissioning = beside(vec![on_board(&[&test[..], &["--test", "commission"]].concat())]);
     let others = run(on_board(&[&test[..], &["--", "--skip", "a_drive_is_commissioned"]].concat()));
     // Both are waited for, so that nothing goes on when this ends.
     commissioning().and(others)

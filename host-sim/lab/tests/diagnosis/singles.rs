@@ -125,14 +125,8 @@ fn hold((held, values): (usize, usize)) {
 
 #[test]
 #[cfg_attr(debug_assertions, ignore = "minutes without optimisation; the tests in release run it")]
-fn each_fourth_effect_alone_is_first_and_intervals_hold_the_truth() {
-    hold(check(0, |index, _| index % 4 == 0));
-}
-
-#[test]
-#[cfg_attr(debug_assertions, ignore = "minutes without optimisation; the tests in release run it")]
-fn a_viscosity_that_waits_or_lags_is_first_and_intervals_hold_the_truth() {
-    hold(check(0, |_, id| id.starts_with("viscosity")));
+fn each_fourth_effect_and_each_viscosity_alone_is_first_and_intervals_hold_the_truth() {
+    hold(check(0, |index, id| index % 4 == 0 || id.starts_with("viscosity")));
 }
 
 #[test]
