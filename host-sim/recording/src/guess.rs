@@ -317,6 +317,16 @@ mod tests {
     }
 
     #[test]
+    fn a_position_of_joints_is_of_as_many_as_an_effort() {
+        let arrays = [("ee_pos", 2), ("q", 3), ("qd", 3), ("tau", 3)];
+        let columns = arrays.iter().flat_map(|(array, many)| (1..=*many).map(move |nth| format!("{array}[{nth}]")));
+        let names: Vec<String> = std::iter::once("time".to_owned()).chain(columns).collect();
+        let names: Vec<&str> = names.iter().map(String::as_str).collect();
+        let found = found_of(&names, Given { joint: Some("2"), ..Given::default() }).unwrap();
+        assert_eq!(found[1], r#"position = { name = "q[2]", unit = "rad" }"#);
+    }
+
+    #[test]
     fn columns_are_looked_for_beside_the_position() {
         let mut table = table(&["/imu.stamp_s", "/imu.x", "/motor.log_time_s", "/motor.angle", "/motor.torque"]);
         table.topics = vec![0, 0, 1, 1, 1];

@@ -222,9 +222,7 @@ const NOT_READ: &[(&[u8], &str)] = &[
 ];
 
 /// Of ZIP archives NumPy's are told by their name only.
-const NPZ: &str = "is an archive of NumPy arrays; in Python: d = numpy.load('log.npz'); \
-                   pandas.DataFrame({name: d[name] for name in d.files if d[name].ndim == 1}).to_csv('log.csv', index=False), \
-                   of arrays of one length";
+const NPZ: &str = "is an archive of NumPy arrays; in Python: scipy.io.savemat('log.mat', dict(numpy.load('log.npz')))";
 
 /// The format of a file with these first bytes.
 fn format(file: &Path, head: &[u8]) -> Result<Format, Error> {

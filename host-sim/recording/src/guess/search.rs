@@ -51,8 +51,27 @@ impl<'a> Search<'a> {
                 .map(|score| Candidate { score, ..candidate })
         };
         let mut fitting: Vec<_> = self.free().filter_map(scored).collect();
-        fitting.sort_by_key(|candidate| std::cmp::Reverse((candidate.beside, candidate.score)));
+        let is_of_joints =
+            |candidate: &Candidate<'_>| column == Column::Position && self.is_of_as_many_as_an_effort(candidate.name);
+        fitting.sort_by_cached_key(|candidate| {
+            std::cmp::Reverse((candidate.beside, is_of_joints(candidate), candidate.score))
+        });
         fitting
+    }
+
+    /// Whether a column is of an array with as many as one of an effort: of seven joints `q[2]` is a position beside `tau[2]`, and the
+    /// three numbers of `ee_pos[2]` are where the hand is.
+    fn is_of_as_many_as_an_effort(&self, name: &str) -> bool {
+        let all = || self.table.numbers.iter().map(|(name, _)| name.as_str());
+        let many = |name: &str| all().filter(|other| array(other) == array(name)).count();
+        let is_effort =
+            |name: &&str| [Column::EffortCmd, Column::EffortMeas].iter().any(|column| self.fits(name, *column));
+        let own = many(name);
+        all().filter(is_effort).any(|effort| many(effort) == own)
+    }
+
+    fn fits(&self, name: &str, column: Column) -> bool {
+        fit(self.table, name, column, self.axis).is_some()
     }
 
     /// The column by its name; an error where a required one is not found.
@@ -91,6 +110,14 @@ impl<'a> Search<'a> {
         let mapped = MappedColumn::new(column, axis, name, &unit, needs_scale.then_some(1.0))?;
         let unsure = unit_unsure || needs_scale || !rivals.is_empty() || *score == 0;
         Ok(Some(Guess { mapped, because: format!("{because}; unit: {unit_because}"), unsure }))
+    }
+}
+
+/// The array that a name is of, without the number of its member; the name where it is of none.
+fn array(name: &str) -> &str {
+    match name.strip_suffix(']').and_then(|name| name.rsplit_once('[')) {
+        Some((array, nth)) if nth.bytes().all(|byte| byte.is_ascii_digit()) => array,
+        _ => name,
     }
 }
 
