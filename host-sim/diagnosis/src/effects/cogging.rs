@@ -1,7 +1,8 @@
 //! Torque over position: amplitude sin(order th + phase); one entry for each order.
 
 use super::{
-    Columns, Effect, HOLDING, PLAIN, Size, amplitude_order_phase, fixed, harmonic, order_sine_cosine, shown, sized,
+    Columns, Effect, HOLDING, LowestOrder, PLAIN, Size, amplitude_order_phase, fixed, harmonic, order_sine_cosine,
+    shown, sized,
 };
 
 /// The entry of the vocabulary.
@@ -14,8 +15,8 @@ pub static EFFECT: Effect = Effect {
     report: amplitude_order_phase,
     fitted: order_sine_cosine,
     columns: Columns::Each,
-    // Once in a revolution is gravity.
-    lowest_order: Some(2.0),
+    // Once in a revolution is gravity; less than once in the travel differs from a spring by its bend.
+    lowest_order: Some(LowestOrder { of_revolution: 2.0, of_travel: 0.0 }),
     repeats: true,
     looked_at: |e| e.looked_at[0],
     measured_by: Some(HOLDING),

@@ -111,6 +111,21 @@ impl Excitation {
     pub(crate) fn orders_apart(&self) -> f64 {
         if self.linear { TAU / self.travel } else { 1.0 }
     }
+
+    /// The lowest order that comes back as often as is asked for; on a linear axis once in the travel, for less is any slope that is missing.
+    pub(crate) fn lowest_order(&self, asked: LowestOrder) -> f64 {
+        let of_travel = TAU / self.travel;
+        if self.linear { of_travel } else { asked.of_revolution.max(asked.of_travel * of_travel) }
+    }
+}
+
+/// How often what has an order must come back, at the least.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LowestOrder {
+    /// In a revolution.
+    pub of_revolution: f64,
+    /// In the travel of a rotary axis, whose whole orders may be slower than that: 0 for what shows in a part of a period.
+    pub of_travel: f64,
 }
 
 /// How the columns of an effect are made at a start.
@@ -162,8 +177,8 @@ pub struct Effect {
     pub leading: &'static [usize],
     /// How its columns are made.
     pub columns: Columns,
-    /// The lowest order over a revolution that its first value may have; none where that is no order.
-    pub lowest_order: Option<f64>,
+    /// How low an order its first value may be; none where that is no order.
+    pub lowest_order: Option<LowestOrder>,
     /// It may stand in a hypothesis more than once.
     pub repeats: bool,
     /// Recording, start and end, s, of what happens once: nothing elsewhere can predict it. None for what holds always.

@@ -1,6 +1,8 @@
 //! The measured position is th + amplitude sin(order th + phase).
 
-use super::{Columns, Effect, PLAIN, Size, amplitude_order_phase, fixed, harmonic, order_sine_cosine, shown, sized};
+use super::{
+    Columns, Effect, LowestOrder, PLAIN, Size, amplitude_order_phase, fixed, harmonic, order_sine_cosine, shown, sized,
+};
 
 /// The entry of the vocabulary. A sensor that errs by more than a fiftieth of the travel is broken, and its slope is none of
 /// a small correction any more.
@@ -19,7 +21,8 @@ pub static EFFECT: Effect = Effect {
     report: amplitude_order_phase,
     fitted: order_sine_cosine,
     columns: Columns::Each,
-    lowest_order: Some(1.0),
+    // Its slope scales the motion, so that a part of a period shows.
+    lowest_order: Some(LowestOrder { of_revolution: 1.0, of_travel: 0.0 }),
     repeats: true,
     looked_at: |e| e.looked_at[0],
     example: shown(|f| vec![4.0, 0.0018 * f, 0.001 * f]),

@@ -46,12 +46,10 @@ fn steps(problem: &Problem) -> Vec<f64> {
     }
 }
 
-/// Whether an entry, if it has an order, has one that comes back: as often in a revolution as its effect asks for, and on a linear axis once
-/// in the travel, for less is any slope that is missing.
+/// Whether an entry, if it has an order, has one that comes back as often as its effect asks for.
 pub(crate) fn comes_back(problem: &Problem, entry: &Entry) -> bool {
-    let Problem { excitation, .. } = problem;
-    let lowest = |of_revolution| if excitation.linear { excitation.orders_apart() } else { of_revolution };
-    entry.effect.lowest_order.map(lowest).is_none_or(|lowest| entry.values[0] >= lowest)
+    let lowest = entry.effect.lowest_order.map(|asked| problem.excitation.lowest_order(asked));
+    lowest.is_none_or(|lowest| entry.values[0] >= lowest)
 }
 
 /// At the top of the parabola through an order and its neighbours on either side, which are less likely; none where that is not likelier.
