@@ -4,20 +4,24 @@
 use super::nearest::{misspelt, quoted};
 use super::{Column, MapFlag, Table};
 
+/// The array that a name is of, and the number of its member: of `run.q[2]` both; none where it is of no array.
+pub(crate) fn member(name: &str) -> Option<(&str, &str)> {
+    let (array, bracket) = name.split_once('[')?;
+    let number = bracket.strip_suffix(']')?;
+    let is_number = !number.is_empty() && number.bytes().all(|byte| byte.is_ascii_digit());
+    is_number.then_some((array, number))
+}
+
 /// What of a name tells the joint.
 fn joint_of(name: &str) -> Option<&str> {
-    let digits = |text: &str| !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
-    let (plain, bracket) = match name.split_once('[') {
-        Some((plain, bracket)) => (plain, bracket.strip_suffix(']')),
-        None => (name.split('(').next().unwrap_or(name), None),
-    };
-    if let Some(index) = bracket.filter(|bracket| digits(bracket)) {
-        return Some(index);
+    if let Some((_, number)) = member(name) {
+        return Some(number);
     }
     if let Some((before, _)) = name.rsplit_once('.') {
         return Some(before);
     }
-    let plain = plain.trim();
+    let before_unit = |unit: char| name.split_once(unit).map(|(plain, _)| plain);
+    let plain = before_unit('[').or_else(|| before_unit('(')).unwrap_or(name).trim();
     let stem = plain.trim_end_matches(|letter: char| letter.is_ascii_digit());
     if !stem.is_empty() && stem.len() < plain.len() {
         return Some(&plain[stem.len()..]);

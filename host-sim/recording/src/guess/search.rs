@@ -2,7 +2,7 @@
 
 use super::names::fit;
 use super::{Guess, has, unit_of};
-use crate::joints::Joints;
+use crate::joints::{Joints, member};
 use crate::nearest::quoted;
 use crate::units::{self, Quantity};
 use crate::{AxisKind, Column, MappedColumn, Table};
@@ -51,27 +51,28 @@ impl<'a> Search<'a> {
                 .map(|score| Candidate { score, ..candidate })
         };
         let mut fitting: Vec<_> = self.free().filter_map(scored).collect();
-        let is_of_joints =
-            |candidate: &Candidate<'_>| column == Column::Position && self.is_of_as_many_as_an_effort(candidate.name);
+        let efforts = if column == Column::Position { self.members_of_efforts() } else { Vec::new() };
         fitting.sort_by_cached_key(|candidate| {
-            std::cmp::Reverse((candidate.beside, is_of_joints(candidate), candidate.score))
+            std::cmp::Reverse((candidate.beside, efforts.contains(&self.members(candidate.name)), candidate.score))
         });
         fitting
     }
 
-    /// Whether a column is of an array with as many as one of an effort: of seven joints `q[2]` is a position beside `tau[2]`, and the
-    /// three numbers of `ee_pos[2]` are where the hand is.
-    fn is_of_as_many_as_an_effort(&self, name: &str) -> bool {
-        let all = || self.table.numbers.iter().map(|(name, _)| name.as_str());
-        let many = |name: &str| all().filter(|other| array(other) == array(name)).count();
-        let is_effort =
-            |name: &&str| [Column::EffortCmd, Column::EffortMeas].iter().any(|column| self.fits(name, *column));
-        let own = many(name);
-        all().filter(is_effort).any(|effort| many(effort) == own)
+    /// How many members the arrays of efforts have: of seven joints `q[2]` is a position beside `tau[2]`, and the three numbers of
+    /// `ee_pos[2]` are where the hand is.
+    fn members_of_efforts(&self) -> Vec<usize> {
+        let fits = |name: &str, column| fit(self.table, name, column, self.axis).is_some();
+        let efforts = self.names().filter(|name| fits(name, Column::EffortCmd) || fits(name, Column::EffortMeas));
+        efforts.map(|effort| self.members(effort)).collect()
     }
 
-    fn fits(&self, name: &str, column: Column) -> bool {
-        fit(self.table, name, column, self.axis).is_some()
+    /// How many members the array of a name has; 1 where it is of none.
+    fn members(&self, name: &str) -> usize {
+        self.names().filter(|other| array_of(other) == array_of(name)).count()
+    }
+
+    fn names(&self) -> impl Iterator<Item = &'a str> {
+        self.table.numbers.iter().map(|(name, _)| name.as_str())
     }
 
     /// The column by its name; an error where a required one is not found.
@@ -114,11 +115,8 @@ impl<'a> Search<'a> {
 }
 
 /// The array that a name is of, without the number of its member; the name where it is of none.
-fn array(name: &str) -> &str {
-    match name.strip_suffix(']').and_then(|name| name.rsplit_once('[')) {
-        Some((array, nth)) if nth.bytes().all(|byte| byte.is_ascii_digit()) => array,
-        _ => name,
-    }
+fn array_of(name: &str) -> &str {
+    member(name).map_or(name, |(array, _)| array)
 }
 
 fn rises(values: &[f64]) -> bool {
