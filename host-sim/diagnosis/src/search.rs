@@ -8,9 +8,7 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use crate::confidence_set::{Assessed, Comparison, LEVEL_OF_THE_SET, Step};
 use crate::effects::{Effect, NUISANCES};
-use crate::hypothesis::{
-    Entry, Hypothesis, Refitted, coloured_noise, comes_back, noise_of, refit, with_likelier_neighbour,
-};
+use crate::hypothesis::{Entry, Hypothesis, Refitted, coloured_noise, noise_of, refit, with_likelier_neighbour};
 use crate::likelihood::Noise;
 use crate::problem::Problem;
 
@@ -251,7 +249,7 @@ fn at_its_neighbours(problem: &Problem, step: Step) -> Step {
     for entry in 0..earlier {
         let from = likelier.as_ref().unwrap_or(&step.assessed.refitted);
         let found = with_likelier_neighbour(problem, from, entry);
-        likelier = found.filter(|found| comes_back(problem, &found.hypothesis.entries[entry])).or(likelier);
+        likelier = found.filter(|found| found.hypothesis.explains(problem, entry)).or(likelier);
     }
     likelier.and_then(|found| Step::new(problem, found)).unwrap_or(step)
 }
@@ -294,7 +292,7 @@ fn worth(problem: &Problem, from: &Step, to: &Refitted, odds: Odds) -> Option<(S
     // Beside its order the blocks tell it differently, and so its spread.
     let entry = to.hypothesis.entries.len().checked_sub(1)?;
     let to = with_likelier_neighbour(problem, to, entry).unwrap_or_else(|| to.clone());
-    if !comes_back(problem, &to.hypothesis.entries[entry]) {
+    if !to.hypothesis.explains(problem, entry) {
         return None;
     }
     let rise = rise(&to);

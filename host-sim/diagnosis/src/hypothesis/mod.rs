@@ -17,7 +17,7 @@ pub use evaluate::{Evaluation, evaluate};
 pub(crate) use evaluate::{Kept, KeptRecording, kept, product};
 pub(crate) use noise_fit::over_excerpts;
 pub use noise_fit::{coloured_noise, noise_of};
-pub(crate) use orders::{OrderSpread, comes_back, order_spread};
+pub(crate) use orders::{OrderSpread, order_spread};
 pub use refit::{Refitted, refit};
 pub(crate) use refit::{columns, ranges, refit_linearised, refit_under};
 
@@ -85,6 +85,12 @@ impl Hypothesis {
             own.values.iter_mut().zip(&other.values).for_each(|(own, other)| *own += share * (other - *own));
         }
         between
+    }
+
+    /// Whether an entry may be the explanation of anything: its order comes back, and the rest of the machine lets it act.
+    pub(crate) fn explains(&self, problem: &Problem, entry: usize) -> bool {
+        let own = &self.entries[entry];
+        orders::comes_back(problem, own) && (own.effect.explains)(&self.physics(&problem.nominal))
     }
 
     /// Places of the free numbers: entry, index of its value.

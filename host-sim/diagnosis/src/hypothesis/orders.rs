@@ -47,7 +47,7 @@ fn steps(problem: &Problem) -> Vec<f64> {
 }
 
 /// Whether an entry, if it has an order, has one that comes back as often as its effect asks for.
-pub(crate) fn comes_back(problem: &Problem, entry: &Entry) -> bool {
+pub(super) fn comes_back(problem: &Problem, entry: &Entry) -> bool {
     let lowest = entry.effect.lowest_order.map(|asked| problem.excitation.lowest_order(asked));
     lowest.is_none_or(|lowest| entry.values[0] >= lowest)
 }

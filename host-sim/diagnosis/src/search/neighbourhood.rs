@@ -93,6 +93,7 @@ impl<'a> Neighbourhood<'a> {
         let rise = self.best.assessed.refitted.log_likelihood - without.assessed.refitted.log_likelihood;
         let p = p_value(&self.best.assessed, at, rise, self.tried[at]);
         let certain = p <= LEVEL_OF_A_STEP
+            && self.best.assessed.refitted.hypothesis.explains(self.problem, at)
             && is_crossed(self.problem, &self.best, &without, at)
             && self.best.assessed.away_from_neutral(self.problem, at);
         if !certain || gain < SMALLEST_GAIN {
@@ -170,6 +171,9 @@ impl<'a> Neighbourhood<'a> {
         let floor = without.assessed.refitted.log_likelihood;
         let rival = |Extended { refitted, odds, .. }: Extended| {
             let (rise, last) = (refitted.log_likelihood - floor, refitted.hypothesis.entries.len() - 1);
+            if !refitted.hypothesis.explains(problem, last) {
+                return None;
+            }
             let rival = Step::new(problem, refitted)?;
             let gain = gain(problem, &rival, without, last);
             let relevant = gain >= SMALLEST_GAIN && is_crossed(problem, &rival, without, last);

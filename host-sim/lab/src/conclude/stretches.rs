@@ -22,7 +22,7 @@ const SEED: u64 = 1;
 /// evenly, each at a random place of its share of the time so that a periodic motion is not always met at the same place.
 /// What is left out is told in `notes`.
 pub(super) fn stretches(files: &[&Recording], notes: &mut Vec<String>) -> Vec<Recording> {
-    let substeps: usize = files.iter().map(|file| Grid::substeps_over(&file.t_s)).sum();
+    let substeps: usize = files.iter().map(|file| Grid::substeps_over(&file.t_s, median_period_s(&file.t_s))).sum();
     if substeps <= SUBSTEPS {
         return files.iter().map(|file| file.driven(std::slice::from_ref(&(0..file.rows())))).collect();
     }
