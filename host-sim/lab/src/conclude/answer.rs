@@ -199,6 +199,14 @@ pub(super) fn warnings(problem: &Problem, conclusion: &Conclusion, next: bool) -
             if next { "" } else { otherwise }
         ));
     }
+    let at_an_end = conclusion.effects.iter().filter(|one| one.entry.is_at_an_end(problem));
+    warnings.extend(at_an_end.map(|one| {
+        format!(
+            "{}: its value is the last that is looked at, and the true one may lie beyond its interval; look at what was taken for \
+             known, as units and the machine file's inertia",
+            one.effect.id
+        )
+    }));
     if conclusion.cut_short {
         warnings.push("the search ended at its budget of work: less was tried than would have been".to_owned());
         let left: Vec<&str> = stand(judged::Standing::NotCompared).map(|one| one.effect.id).collect();
