@@ -167,8 +167,8 @@ pub struct Effect {
     pub starts: fn(&Physics, &Excitation) -> Vec<Vec<f64>>,
     /// Puts values into the machine.
     pub put: fn(&mut Physics, &[f64]),
-    /// Whether the machine that has it is one in which it explains anything (judge.md, "Never an explanation").
-    pub explains: fn(&Physics) -> bool,
+    /// Whether the machine that has it is one in which it explains anything of such a motion (judge.md, "Never an explanation").
+    pub explains: fn(&Physics, &Excitation) -> bool,
     /// From fitted to reported values.
     pub report: fn(&[f64]) -> Vec<f64>,
     /// From reported to fitted values, for an entry of a machine file in a recording; none for what is no part of a model.
@@ -217,7 +217,7 @@ pub(crate) const PLAIN: Effect = Effect {
     applies: |_, _| true,
     starts: |_, _| Vec::new(),
     put: |_, _| {},
-    explains: |_| true,
+    explains: |_, _| true,
     report: <[f64]>::to_vec,
     fitted: |v, _| Some(v.to_vec()),
     neutral: |_| 0.0,

@@ -97,7 +97,7 @@ impl Hypothesis {
     /// Whether an entry may be the explanation of anything: its order comes back, and the rest of the machine lets it act.
     pub(crate) fn explains(&self, problem: &Problem, entry: usize) -> bool {
         let own = &self.entries[entry];
-        orders::comes_back(problem, own) && (own.effect.explains)(&self.physics(&problem.nominal))
+        orders::comes_back(problem, own) && (own.effect.explains)(&self.physics(&problem.nominal), &problem.excitation)
     }
 
     /// Places of the free numbers: entry, index of its value.
