@@ -9,8 +9,8 @@ const LEAST: f64 = 0.05;
 
 /// Whether a limit lets its commands through now and then, and is above the drag that it drives: else nothing would move.
 fn explains(physics: &Physics, excitation: &Excitation) -> bool {
-    let explains = |limit| limit > physics.model.coulomb && limit > LEAST * excitation.torque_peak;
-    physics.model.torque_limit.is_none_or(explains)
+    let least = physics.model.coulomb.max(LEAST * excitation.torque_peak);
+    physics.model.torque_limit.is_none_or(|limit| limit > least)
 }
 
 /// The entry of the vocabulary.
