@@ -7,6 +7,7 @@ use super::joints::Joints;
 use super::nearest::{misspelt, quoted};
 use super::units::{self, Quantity};
 use super::{AxisKind, Column, MapFlag, MappedColumn, Mapping, Table};
+pub(crate) use names::besides_quantity;
 use names::{fit, is_one_of, telling, words};
 use search::{Search, dates};
 
@@ -150,7 +151,7 @@ fn unit_of(table: &Table, column: Column, axis: AxisKind, (name, values): (&str,
     let words = words(telling(name));
     if matches!(column, Column::EffortCmd | Column::EffortMeas) {
         let any = |list: &[&str]| words.iter().any(|word| is_one_of(word, list));
-        if any(&["current", "cur", "iq", "i", "strom"]) {
+        if any(&["current", "curr", "cur", "iq", "i", "strom"]) {
             return ("A".to_owned(), "a current by its name".to_owned(), true);
         }
         if any(&["voltage"]) {
@@ -311,6 +312,9 @@ mod tests {
             currents[2], r#"torque = { name = "iq2", unit = "A", scale = 1.0 }"#,
             "a current, whatever its joint"
         );
+        let named = ["t", "lift_joint_position", "arm_1_joint_position", "lift_joint_effort", "arm_1_joint_effort"];
+        let lift = found(&named, &["position=lift_joint_position:m"]).unwrap();
+        assert_eq!(lift[2], r#"force = { name = "lift_joint_effort", unit = "N" }"#, "of the joint of the position");
         // All that is needed is given.
         let given = found(&names, &["position=actual_q_1:rad", "torque=actual_current_0:A*2"]).unwrap();
         assert_eq!(given[2], expected[2]);

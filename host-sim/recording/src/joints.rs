@@ -1,8 +1,9 @@
 //! Logs of several joints (or runs): columns that share a name before their last dot, `/joint_states.elbow.position`, a number,
-//! `Position2` and `actual_q_2` and `run.q[2]`, or a first word that ends in one, `a1 position [rad]`.
+//! `Position2` and `actual_q_2` and `run.q[2]`, or what stands beside the quantity, `a1 position [rad]` and `effort_left_knee`.
 
+use super::guess::besides_quantity;
 use super::nearest::{misspelt, quoted};
-use super::{Column, MapFlag, Table};
+use super::{Column, MapFlag, Table, units};
 
 /// The array that a name is of, and the number of its member: of `run.q[2]` both; none where it is of no array.
 pub(crate) fn member(name: &str) -> Option<(&str, &str)> {
@@ -20,15 +21,12 @@ fn joint_of(name: &str) -> Option<&str> {
     if let Some((before, _)) = name.rsplit_once('.') {
         return Some(before);
     }
-    let before_unit = |unit: char| name.split_once(unit).map(|(plain, _)| plain);
-    let plain = before_unit('[').or_else(|| before_unit('(')).unwrap_or(name).trim();
+    let plain = units::stem(name);
     let stem = plain.trim_end_matches(|letter: char| letter.is_ascii_digit());
     if !stem.is_empty() && stem.len() < plain.len() {
         return Some(&plain[stem.len()..]);
     }
-    let first = plain.split([' ', '_']).next().filter(|first| first.len() < plain.len())?;
-    let is_numbered = first.starts_with(char::is_alphabetic) && first.ends_with(|letter: char| letter.is_ascii_digit());
-    is_numbered.then_some(first)
+    besides_quantity(name)
 }
 
 /// The joints of a log that have a position and an effort, and the one that is wanted.
@@ -125,6 +123,12 @@ mod tests {
             ("run.q[2]", Some("2")),
             ("a1 position [rad]", Some("a1")),
             ("J2_pos", Some("J2")),
+            ("arm_1_joint_position", Some("arm_1_joint")),
+            ("cmd_effort_left_knee_nm", Some("left_knee")),
+            ("pos_x", Some("x")),
+            ("x_position", Some("x")),
+            ("KneeTorque", Some("Knee")),
+            ("actual_position_rad", None),
             ("position [rad]", None),
             ("Time (s)", None),
             ("2", None),

@@ -179,6 +179,13 @@ fn parts(name: &str) -> (&str, Option<&'static Unit>) {
     UNITS.iter().find_map(with).map_or((name, None), |(stem, unit)| (stem, Some(unit)))
 }
 
+/// A name without the unit that it tells, as [`told`] finds it.
+pub(crate) fn stem(name: &str) -> &str {
+    let plain = name.split(['[', '(']).next().unwrap_or(name).trim();
+    let unit = ending(plain).filter(|_| plain.len() == name.trim().len());
+    unit.and_then(|unit| plain.get(..plain.len().checked_sub(unit.suffix.len() + 1)?)).unwrap_or(plain)
+}
+
 /// The unit at the end of a name in any case; none where the case leaves milli or mega open.
 fn ending(name: &str) -> Option<&'static Unit> {
     let unit = parts(&name.to_lowercase()).1?;

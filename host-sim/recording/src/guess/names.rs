@@ -9,7 +9,7 @@ const TIME: &[&str] = &["stamp", "t", "time", "timestamp", "ts", "seconds", "sec
 const POSITION: &[&str] = &["position", "pos", "angle", "theta", "q", "x", "enc", "encoder", "phi", "winkel"];
 const VELOCITY: &[&str] = &["velocity", "vel", "speed", "omega", "qd", "dq", "w", "v"];
 const EFFORT: &[&str] =
-    &["torque", "force", "tau", "effort", "trq", "moment", "current", "cur", "iq", "i", "u", "f", "voltage", "strom"];
+    &["torque", "force", "tau", "effort", "trq", "moment", "current", "curr", "cur", "iq", "i", "u", "f", "voltage", "strom"];
 /// Words that make a position the one that is wanted,
 const WANTED: &[&str] =
     &["reference", "ref", "setpoint", "set", "target", "des", "desired", "demand", "goal", "sp", "cmd", "command"];
@@ -62,24 +62,57 @@ pub(super) fn is_one_of(word: &str, list: &[&str]) -> bool {
     list.contains(&word) || list.contains(&word.trim_end_matches(|letter: char| letter.is_ascii_digit()))
 }
 
-/// The words of a name: parted by signs and by capitals, without its unit.
+/// The words of a name in small letters: parted by signs and by capitals, without its unit.
 pub(super) fn words(name: &str) -> Vec<String> {
     let name = name.split(['[', '(']).next().unwrap_or(name);
-    let mut words: Vec<String> = Vec::new();
-    let mut before = ' ';
-    for letter in name.chars() {
-        if !letter.is_alphanumeric() {
-            words.push(String::new());
-        } else {
-            if words.is_empty() || (letter.is_uppercase() && before.is_lowercase()) {
-                words.push(String::new());
-            }
-            if let Some(word) = words.last_mut() {
-                word.extend(letter.to_lowercase());
-            }
+    parts(name).into_iter().map(|(_, part)| part.to_lowercase()).collect()
+}
+
+/// The parts of a text between signs, and before capitals behind small letters; each with the byte that it begins at.
+fn parts(text: &str) -> Vec<(usize, &str)> {
+    let mut parts = Vec::new();
+    let (mut from, mut before) = (0, ' ');
+    for (place, letter) in text.char_indices() {
+        if !letter.is_alphanumeric() || (letter.is_uppercase() && before.is_lowercase()) {
+            parts.push((from, &text[from..place]));
+            from = if letter.is_alphanumeric() { place } else { place + letter.len_utf8() };
         }
         before = letter;
     }
-    words.retain(|word| !word.is_empty());
-    words
+    parts.push((from, &text[from..]));
+    parts.retain(|(_, part)| !part.is_empty());
+    parts
+}
+
+/// What a name says besides the quantity: of `arm_1_joint_position_rad` and of `cmd_effort_arm_1_joint` it is `arm_1_joint`. None
+/// where no quantity stands at either end, or nothing else.
+pub(crate) fn besides_quantity(name: &str) -> Option<&str> {
+    let stem = units::stem(name);
+    let parts = parts(stem);
+    let parts = without_aside(&parts);
+    let is_quantity = |part: &str| [TIME, POSITION, VELOCITY, EFFORT].iter().any(|list| list.contains(&part));
+    let (first, last) = (parts.first()?.1.to_lowercase(), parts.last()?.1.to_lowercase());
+    // A letter alone is as often a direction: the `x` of `pos_x` and of `x_position`.
+    let is_at_end = [2, 1].iter().find_map(|length| {
+        let is = |part: &str| part.len() >= *length && is_quantity(part);
+        if is(&last) { Some(true) } else { is(&first).then_some(false) }
+    })?;
+    let rest = without_aside(if is_at_end { &parts[..parts.len() - 1] } else { &parts[1..] });
+    let ((from, _), (to, last)) = (rest.first()?, rest.last()?);
+    stem.get(*from..to + last.len())
+}
+
+/// The parts without the words at both ends that tell a value to be wanted or measured.
+fn without_aside<'a, 'b>(mut parts: &'a [(usize, &'b str)]) -> &'a [(usize, &'b str)] {
+    let is_aside = |part: &str| {
+        let part = part.to_lowercase();
+        WANTED.contains(&part.as_str()) || MEASURED.contains(&part.as_str())
+    };
+    while let Some((_, rest)) = parts.split_first().filter(|((_, first), _)| is_aside(first)) {
+        parts = rest;
+    }
+    while let Some((_, rest)) = parts.split_last().filter(|((_, last), _)| is_aside(last)) {
+        parts = rest;
+    }
+    parts
 }
