@@ -82,7 +82,9 @@ const WORK_ON_SAMPLES: u64 = 100_000_000;
 /// That reading shows what is faster than the other's band, but takes its noise for that of the motion up to the sampling
 /// rate: it is believed if it predicts what judges by a relevant part better, or as well and explains everything, with fewer values
 /// than the other or where the other found nothing. Samples have noise that moves nothing, which pulls gains towards less motion, and they are
-/// believed only where nothing predictable is left: on real machines a gravity of 2.99 N m came with a gain of 0.68, and predicted better.
+/// believed only where nothing predictable is left: on real machines a gravity of 2.99 N m came with a gain of 0.68, and predicted better. So
+/// is what held commands found when their work was spent: what predicts that nothing moves had come first, on a lift that held itself a limit of
+/// 0.2 N m in the place of its weight of 1 N m.
 /// None where no pass over the recordings is finite.
 pub fn diagnose_as_read(problem: Problem, vocabulary: &[&'static Effect]) -> Option<(Problem, Conclusion)> {
     let measured = diagnose(&problem, vocabulary)?;
@@ -102,7 +104,7 @@ pub fn diagnose_as_read(problem: Problem, vocabulary: &[&'static Effect]) -> Opt
         let freedom = |found: &Conclusion| found.best.assessed.freedom();
         let simpler = measured.effects.is_empty() || freedom(commanded) < freedom(&measured);
         let explains = commanded.remainder.is_none();
-        if !held && !explains {
+        if !explains && (!held || commanded.cut_short) {
             return false;
         }
         match prediction(&commands, &commanded.best, &measured.best) {

@@ -15,11 +15,28 @@ pub static EFFECT: Effect = Effect {
     report: amplitude_order_phase,
     fitted: order_sine_cosine,
     columns: Columns::Each,
-    // Once in a revolution is gravity; less than once in the travel differs from a spring by its bend.
-    lowest_order: Some(LowestOrder { of_revolution: 2.0, of_travel: 0.0 }),
+    // Once in a revolution is gravity; less than half a period in the travel is a slope, as an offset, a spring and a weight make.
+    lowest_order: Some(LowestOrder { of_revolution: 2.0, of_travel: 0.5 }),
     repeats: true,
     looked_at: |e| e.looked_at[0],
     measured_by: Some(HOLDING),
     example: shown(|f| vec![14.0, 0.16 * f, 0.25 * f]),
     ..PLAIN
 };
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::TAU;
+
+    use crate::effects::Excitation;
+
+    #[test]
+    fn half_a_period_is_in_the_travel() {
+        let lowest = |travel: f64| {
+            let excitation = Excitation { travel, ..Excitation::default() };
+            super::EFFECT.lowest_order.map(|asked| excitation.lowest_order(asked))
+        };
+        assert_eq!(lowest(TAU), Some(2.0));
+        assert_eq!(lowest(TAU / 16.0), Some(8.0));
+    }
+}

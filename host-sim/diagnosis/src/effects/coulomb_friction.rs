@@ -1,14 +1,6 @@
 //! Dry friction: -c sign(w).
 
-use super::{Columns, Effect, Excitation, PLAIN, Size, shown, sized};
-use crate::physics::Physics;
-
-/// Whether it gives way to the largest torque of the drive and of a weight: under more nothing would ever move, and whatever else is missing
-/// would show in nothing.
-fn explains(physics: &Physics, excitation: &Excitation) -> bool {
-    let weight = physics.model.gravity.as_ref().map_or(0.0, |gravity| gravity.amplitude);
-    physics.model.coulomb < physics.model.torque_gain * excitation.torque_peak + weight
-}
+use super::{Columns, Effect, PLAIN, Size, shown, sized};
 
 /// The entry of the vocabulary.
 pub static EFFECT: Effect = Effect {
@@ -17,7 +9,7 @@ pub static EFFECT: Effect = Effect {
     parameters: &[sized(Size::Torque, 0.0, 1e3, 0.05)],
     starts: |p, _| vec![vec![p.model.coulomb]],
     put: |p, v| p.model.coulomb = v[0],
-    explains,
+    explains: |physics, e| physics.gives_way(e.torque_peak, e.travel),
     neutral: |p| p.model.coulomb,
     columns: Columns::Each,
     example: shown(|f| vec![0.763 + 0.19 * f]),
@@ -27,7 +19,7 @@ pub static EFFECT: Effect = Effect {
 #[cfg(test)]
 mod tests {
     use plant::Model;
-    use plant::effects::Gravity;
+    use plant::effects::{Gravity, Stribeck};
 
     use super::EFFECT;
     use crate::effects::Excitation;
@@ -35,13 +27,22 @@ mod tests {
 
     #[test]
     fn a_level_that_nothing_overcomes_explains_nothing() {
-        let excitation = Excitation { torque_peak: 3.5, ..Excitation::default() };
-        for (amplitude, level, explains) in [(0.0, 3.4, true), (0.0, 4.5, false), (8.0, 4.5, true), (8.0, 12.0, false)]
-        {
-            let gravity = Some(Gravity { amplitude, phase_rad: 0.0 });
-            let mut physics = Physics::new(Model { gravity, ..Model::paper() });
+        let excitation = Excitation { torque_peak: 3.5, travel: 0.5, ..Excitation::default() };
+        let bare = || Model { torque_offset: 0.0, ..Model::paper() };
+        let weight = |amplitude| Some(Gravity { amplitude, phase_rad: 0.0 });
+        let rising = Some(Stribeck { excess: 14.0, velocity: 0.001 });
+        for (model, level, explains) in [
+            (bare(), 3.4, true),
+            (bare(), 4.5, false),
+            (Model { gravity: weight(8.0), ..bare() }, 4.5, true),
+            (Model { gravity: weight(8.0), ..bare() }, 12.0, false),
+            (Model { torque_offset: -2.0, ..bare() }, 4.5, true),
+            (Model { spring_stiffness: 4.0, ..bare() }, 4.5, true),
+            (Model { stribeck: rising, ..bare() }, 0.7, false),
+        ] {
+            let mut physics = Physics::new(model);
             (EFFECT.put)(&mut physics, &[level]);
-            assert_eq!((EFFECT.explains)(&physics, &excitation), explains, "level {level}, weight {amplitude}");
+            assert_eq!((EFFECT.explains)(&physics, &excitation), explains, "level {level} of {:?}", physics.model);
         }
     }
 }

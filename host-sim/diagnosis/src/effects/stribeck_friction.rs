@@ -17,6 +17,7 @@ pub static EFFECT: Effect = Effect {
         [0.01, 0.03, 0.1, 0.2].iter().map(|&v| vec![0.05 * e.torque_rms, v * e.speed_peak.max(1e-3)]).collect()
     },
     put: |p, v| p.model.stribeck = Some(Stribeck { excess: v[0], velocity: v[1] }),
+    explains: |physics, e| physics.gives_way(e.torque_peak, e.travel),
     example: shown(|f| vec![0.5 * f, 0.1]),
     ..PLAIN
 };

@@ -8,8 +8,10 @@ use crate::{AxisKind, Column, Table};
 const TIME: &[&str] = &["stamp", "t", "time", "timestamp", "ts", "seconds", "sec", "clock", "zeit"];
 const POSITION: &[&str] = &["position", "pos", "angle", "theta", "q", "x", "enc", "encoder", "phi", "winkel"];
 const VELOCITY: &[&str] = &["velocity", "vel", "speed", "omega", "qd", "dq", "w", "v"];
-const EFFORT: &[&str] =
-    &["torque", "force", "tau", "effort", "trq", "moment", "current", "curr", "cur", "iq", "i", "u", "f", "voltage", "strom"];
+const EFFORT: &[&str] = &[
+    "torque", "force", "tau", "effort", "trq", "moment", "current", "curr", "cur", "iq", "i", "u", "f", "voltage",
+    "strom",
+];
 /// Words that make a position the one that is wanted,
 const WANTED: &[&str] =
     &["reference", "ref", "setpoint", "set", "target", "des", "desired", "demand", "goal", "sp", "cmd", "command"];
