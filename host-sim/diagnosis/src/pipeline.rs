@@ -82,9 +82,9 @@ const WORK_ON_SAMPLES: u64 = 100_000_000;
 /// That reading shows what is faster than the other's band, but takes its noise for that of the motion up to the sampling
 /// rate: it is believed if it predicts what judges by a relevant part better, or as well and explains everything, with fewer values
 /// than the other or where the other found nothing. Samples have noise that moves nothing, which pulls gains towards less motion, and they are
-/// believed only where nothing predictable is left: on real machines a gravity of 2.99 N m came with a gain of 0.68, and predicted better. So
-/// is what held commands found when their work was spent: what predicts that nothing moves had come first, on a lift that held itself a limit of
-/// 0.2 N m in the place of its weight of 1 N m.
+/// believed only where nothing predictable is left: on real machines a gravity of 2.99 N m came with a gain of 0.68, and predicted better. Nor
+/// are held commands of which something is left with a value at the end of what is looked at: a lift that held itself came with a limit of 0.2 N m
+/// or with four times the inertia in the place of its weight, which predict well that nothing moves.
 /// None where no pass over the recordings is finite.
 pub fn diagnose_as_read(problem: Problem, vocabulary: &[&'static Effect]) -> Option<(Problem, Conclusion)> {
     let measured = diagnose(&problem, vocabulary)?;
@@ -104,7 +104,8 @@ pub fn diagnose_as_read(problem: Problem, vocabulary: &[&'static Effect]) -> Opt
         let freedom = |found: &Conclusion| found.best.assessed.freedom();
         let simpler = measured.effects.is_empty() || freedom(commanded) < freedom(&measured);
         let explains = commanded.remainder.is_none();
-        if !explains && (!held || commanded.cut_short) {
+        let at_an_end = || commanded.effects.iter().any(|one| one.entry.is_at_an_end(&commands));
+        if !explains && (!held || at_an_end()) {
             return false;
         }
         match prediction(&commands, &commanded.best, &measured.best) {
