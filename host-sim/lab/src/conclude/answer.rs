@@ -170,11 +170,12 @@ fn rejected(conclusion: &Conclusion) -> Vec<Rejected> {
 
 /// Why it was not taken.
 fn why(one: &diagnosis::search::Rejected) -> String {
-    let adds = format!("add {:.1} to the log-likelihood", one.rise);
+    let certainly = if one.certain { "certainly " } else { "" };
+    let adds = format!("it would {certainly}add {:.1} to the log-likelihood", one.rise);
     match (one.certain, one.gain) {
-        (true, _) => format!("it would certainly {adds}, but too little to the motion to be named"),
-        (false, Some(gain)) if gain < 0.0 => format!("it would {adds}, but predict the held-out motion worse"),
-        (false, _) => format!("it would {adds}, which its free values and the scatter from block to block may"),
+        (_, Some(gain)) if gain < 0.0 => format!("{adds}, but predict the held-out motion worse"),
+        (true, _) => format!("{adds}, but too little to the motion to be named"),
+        (false, _) => format!("{adds}, no more than its free values and the scatter from block to block may"),
     }
 }
 
