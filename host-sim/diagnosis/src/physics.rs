@@ -54,17 +54,6 @@ impl Physics {
         }
     }
 
-    /// Whether its dry friction at rest gives way to the largest torque of the drive with all that pulls at the axis in that travel: under
-    /// more nothing would ever move, and whatever else is missing would show in nothing.
-    pub(crate) fn gives_way(&self, torque_peak: f64, travel: f64) -> bool {
-        let model = &self.model;
-        let at_rest = model.coulomb + model.stribeck.map_or(0.0, |stribeck| stribeck.excess);
-        let weight = model.gravity.as_ref().map_or(0.0, |gravity| gravity.amplitude);
-        let cogging: f64 = model.cogging.iter().map(|harmonic| harmonic.amplitude.abs()).sum();
-        let drive = model.torque_gain * torque_peak + model.torque_offset.abs();
-        at_rest < drive + weight + cogging + model.spring_stiffness * travel
-    }
-
     /// The plant's model for one recording.
     pub fn model_of(&self, recording: usize) -> Model {
         let mut model = self.model.clone();

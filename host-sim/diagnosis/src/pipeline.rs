@@ -55,6 +55,13 @@ pub struct Conclusion {
     pub rejected: Vec<Rejected>,
 }
 
+impl Conclusion {
+    /// Effects with a value that is the last that is looked at.
+    pub fn at_an_end(&self, problem: &Problem) -> impl Iterator<Item = &Named> {
+        self.effects.iter().filter(|one| one.entry.is_at_an_end(problem))
+    }
+}
+
 /// Correlation of two effects' values beyond which they only say what their difference is: a variance inflation factor of 50
 /// (ten is the usual warning, Belsley, Kuh and Welsch 1980).
 const MOST_COLLINEAR: f64 = 0.99;
@@ -104,8 +111,8 @@ pub fn diagnose_as_read(problem: Problem, vocabulary: &[&'static Effect]) -> Opt
         let freedom = |found: &Conclusion| found.best.assessed.freedom();
         let simpler = measured.effects.is_empty() || freedom(commanded) < freedom(&measured);
         let explains = commanded.remainder.is_none();
-        let at_an_end = || commanded.effects.iter().any(|one| one.entry.is_at_an_end(&commands));
-        if !explains && (!held || at_an_end()) {
+        let may_leave = held && commanded.at_an_end(&commands).next().is_none();
+        if !explains && !may_leave {
             return false;
         }
         match prediction(&commands, &commanded.best, &measured.best) {

@@ -6,9 +6,9 @@ mod search;
 use super::joints::Joints;
 use super::nearest::{misspelt, quoted};
 use super::units::{self, Quantity};
+use super::words::{CURRENT, is_one_of, telling, words};
 use super::{AxisKind, Column, MapFlag, MappedColumn, Mapping, Table};
-pub(crate) use names::besides_quantity;
-use names::{fit, is_one_of, telling, words};
+use names::fit;
 use search::{Search, dates};
 
 /// Sample periods of drives, s; a clock whose steps are outside is in another unit.
@@ -151,7 +151,7 @@ fn unit_of(table: &Table, column: Column, axis: AxisKind, (name, values): (&str,
     let words = words(telling(name));
     if matches!(column, Column::EffortCmd | Column::EffortMeas) {
         let any = |list: &[&str]| words.iter().any(|word| is_one_of(word, list));
-        if any(&["current", "curr", "cur", "iq", "i", "strom"]) {
+        if any(CURRENT) {
             return ("A".to_owned(), "a current by its name".to_owned(), true);
         }
         if any(&["voltage"]) {

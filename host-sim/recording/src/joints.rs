@@ -1,8 +1,8 @@
 //! Logs of several joints (or runs): columns that share a name before their last dot, `/joint_states.elbow.position`, a number,
 //! `Position2` and `actual_q_2` and `run.q[2]`, or what stands beside the quantity, `a1 position [rad]` and `effort_left_knee`.
 
-use super::guess::besides_quantity;
 use super::nearest::{misspelt, quoted};
+use super::words::besides_quantity;
 use super::{Column, MapFlag, Table, units};
 
 /// The array that a name is of, and the number of its member: of `run.q[2]` both; none where it is of no array.

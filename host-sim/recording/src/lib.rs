@@ -45,6 +45,7 @@ mod units;
 mod values;
 mod vectors;
 pub mod vocabulary;
+mod words;
 mod wrap;
 
 pub use columns::Column;

@@ -179,9 +179,14 @@ fn parts(name: &str) -> (&str, Option<&'static Unit>) {
     UNITS.iter().find_map(with).map_or((name, None), |(stem, unit)| (stem, Some(unit)))
 }
 
-/// A name without the unit that it tells, as [`told`] finds it.
+/// What of a name stands before brackets; all of it where there are none.
+pub(crate) fn before_brackets(name: &str) -> &str {
+    name.split(['[', '(']).next().unwrap_or(name)
+}
+
+/// A name without the unit in brackets or at its end.
 pub(crate) fn stem(name: &str) -> &str {
-    let plain = name.split(['[', '(']).next().unwrap_or(name).trim();
+    let plain = before_brackets(name).trim();
     let unit = ending(plain).filter(|_| plain.len() == name.trim().len());
     unit.and_then(|unit| plain.get(..plain.len().checked_sub(unit.suffix.len() + 1)?)).unwrap_or(plain)
 }

@@ -34,7 +34,7 @@ mod tests {
     fn half_a_period_is_in_the_travel() {
         let lowest = |travel: f64| {
             let excitation = Excitation { travel, ..Excitation::default() };
-            super::EFFECT.lowest_order.map(|asked| excitation.lowest_order(asked))
+            excitation.lowest_order(&super::EFFECT)
         };
         assert_eq!(lowest(TAU), Some(2.0));
         assert_eq!(lowest(TAU / 16.0), Some(8.0));

@@ -1,6 +1,6 @@
 //! Dry friction: -c sign(w).
 
-use super::{Columns, Effect, PLAIN, Size, shown, sized};
+use super::{Columns, Effect, PLAIN, Size, gives_way, shown, sized};
 
 /// The entry of the vocabulary.
 pub static EFFECT: Effect = Effect {
@@ -9,7 +9,7 @@ pub static EFFECT: Effect = Effect {
     parameters: &[sized(Size::Torque, 0.0, 1e3, 0.05)],
     starts: |p, _| vec![vec![p.model.coulomb]],
     put: |p, v| p.model.coulomb = v[0],
-    explains: |physics, e| physics.gives_way(e.torque_peak, e.travel),
+    explains: gives_way,
     neutral: |p| p.model.coulomb,
     columns: Columns::Each,
     example: shown(|f| vec![0.763 + 0.19 * f]),

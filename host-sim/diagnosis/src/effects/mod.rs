@@ -112,10 +112,12 @@ impl Excitation {
         if self.linear { TAU / self.travel } else { 1.0 }
     }
 
-    /// The lowest order that comes back as often as is asked for; on a linear axis once in the travel, for less is any slope that is missing.
-    pub(crate) fn lowest_order(&self, asked: LowestOrder) -> f64 {
+    /// The lowest order that comes back as often as an effect asks for; on a linear axis once in the travel, for less is any slope that is
+    /// missing. None where it has no order.
+    pub(crate) fn lowest_order(&self, of: &Effect) -> Option<f64> {
         let of_travel = TAU / self.travel;
-        if self.linear { of_travel } else { asked.of_revolution.max(asked.of_travel * of_travel) }
+        let lowest = |asked: LowestOrder| asked.of_revolution.max(asked.of_travel * of_travel);
+        of.lowest_order.map(|asked| if self.linear { of_travel } else { lowest(asked) })
     }
 }
 
@@ -287,6 +289,17 @@ pub(crate) fn order_sine_cosine(reported: &[f64], _: Option<usize>) -> Option<Ve
 /// A machine whose damper is driven in these recordings.
 pub(crate) fn with_field(physics: &Physics, excitation: &Excitation) -> bool {
     physics.model.er.is_some() && excitation.field_peak > 0.0
+}
+
+/// Whether dry friction at rest gives way to the drive with all that pulls at the axis: under more nothing would ever move, and what else
+/// is missing would show in nothing.
+pub(crate) fn gives_way(physics: &Physics, excitation: &Excitation) -> bool {
+    let model = &physics.model;
+    let at_rest = model.coulomb + model.stribeck.map_or(0.0, |stribeck| stribeck.excess);
+    let weight = model.gravity.as_ref().map_or(0.0, |gravity| gravity.amplitude);
+    let cogging: f64 = model.cogging.iter().map(|harmonic| harmonic.amplitude.abs()).sum();
+    let drive = model.torque_gain * excitation.torque_peak + model.torque_offset.abs();
+    at_rest < drive + weight + cogging + model.spring_stiffness * excitation.travel
 }
 
 /// Recordings whose torque column is read as commands, with a drive between it and the rotor.

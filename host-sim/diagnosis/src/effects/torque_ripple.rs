@@ -36,7 +36,7 @@ mod tests {
     fn a_ripple_comes_back_within_the_travel() {
         let lowest = |travel: f64, linear: bool| {
             let excitation = Excitation { travel, linear, ..Excitation::default() };
-            super::EFFECT.lowest_order.map(|asked| excitation.lowest_order(asked))
+            excitation.lowest_order(&super::EFFECT)
         };
         assert_eq!(lowest(10.0 * TAU, false), Some(1.0));
         assert_eq!(lowest(TAU / 4.0, false), Some(4.0));

@@ -32,7 +32,7 @@ pub struct Entry {
 
 impl Entry {
     /// Whether its first value is the last that is looked at, beyond which it may be likelier still; 0 is the last that physics has.
-    pub fn is_at_an_end(&self, problem: &Problem) -> bool {
+    pub(crate) fn is_at_an_end(&self, problem: &Problem) -> bool {
         let value = self.values[0];
         let range = self.effect.ranges(1, &problem.nominal, &problem.excitation)[0];
         value != 0.0 && (value <= range.low || value >= range.high)

@@ -48,8 +48,7 @@ fn steps(problem: &Problem) -> Vec<f64> {
 
 /// Whether an entry, if it has an order, has one that comes back as often as its effect asks for.
 pub(super) fn comes_back(problem: &Problem, entry: &Entry) -> bool {
-    let lowest = entry.effect.lowest_order.map(|asked| problem.excitation.lowest_order(asked));
-    lowest.is_none_or(|lowest| entry.values[0] >= lowest)
+    problem.excitation.lowest_order(entry.effect).is_none_or(|lowest| entry.values[0] >= lowest)
 }
 
 /// At the top of the parabola through an order and its neighbours on either side, which are less likely; none where that is not likelier.

@@ -200,8 +200,7 @@ pub(super) fn warnings(problem: &Problem, conclusion: &Conclusion, next: bool) -
             if next { "" } else { otherwise }
         ));
     }
-    let at_an_end = conclusion.effects.iter().filter(|one| one.entry.is_at_an_end(problem));
-    warnings.extend(at_an_end.map(|one| {
+    warnings.extend(conclusion.at_an_end(problem).map(|one| {
         format!(
             "{}: its value is the last that is looked at, and the true one may lie beyond its interval; look at what was taken for \
              known, as units and the machine file's inertia",
