@@ -56,6 +56,11 @@ pub struct Conclusion {
 }
 
 impl Conclusion {
+    /// The machine with the effects of the best hypothesis.
+    fn physics(&self, problem: &Problem) -> Physics {
+        self.best.assessed.refitted.hypothesis.physics(&problem.nominal)
+    }
+
     /// Effects with a value that is the last that is looked at.
     pub fn at_an_end(&self, problem: &Problem) -> impl Iterator<Item = &Named> {
         self.effects.iter().filter(|one| one.entry.is_at_an_end(problem))
@@ -111,7 +116,9 @@ pub fn diagnose_as_read(problem: Problem, vocabulary: &[&'static Effect]) -> Opt
         let freedom = |found: &Conclusion| found.best.assessed.freedom();
         let simpler = measured.effects.is_empty() || freedom(commanded) < freedom(&measured);
         let explains = commanded.remainder.is_none();
-        let may_leave = held && commanded.at_an_end(&commands).next().is_none();
+        let may_leave = held
+            && commanded.at_an_end(&commands).next().is_none()
+            && !moves_less(&commanded.physics(&commands), &measured.physics(&problem));
         if !explains && !may_leave {
             return false;
         }
@@ -127,12 +134,18 @@ pub fn diagnose_as_read(problem: Problem, vocabulary: &[&'static Effect]) -> Opt
     })
 }
 
+/// Whether the same torque accelerates one machine less than the other, by what is relevant.
+fn moves_less(own: &Physics, other: &Physics) -> bool {
+    let per_torque = |physics: &Physics| physics.model.torque_gain / physics.model.inertia;
+    per_torque(own) < (1.0 - SMALLEST_GAIN) * per_torque(other)
+}
+
 /// The problem with the rows of the torque column read the other way, as samples or as values held to the next row, and what is found so;
 /// none where that is not asked for or less likely. Half a row between the readings is a skew of the channels, and which reading is right was
 /// decided on the nominal machine, which may lack too much to tell: so the other one is tried where a skew or a delay was found that is
 /// nearer to its half row than to none, and taken where it is likelier for the values it needs (Schwarz 1978).
 fn read_again(problem: &Problem, found: &Conclusion, vocabulary: &[&'static Effect]) -> Option<(Problem, Conclusion)> {
-    let (nominal, physics) = (&problem.nominal, found.best.assessed.refitted.hypothesis.physics(&problem.nominal));
+    let (nominal, physics) = (&problem.nominal, found.physics(problem));
     let later_s = |physics: &Physics| physics.skew_s + physics.model.sensor.latency_s + physics.model.torque_delay_s;
     let other = problem.read_otherwise()?;
     let apart_s = |index: usize| problem.early_s[index] - other.early_s[index];
@@ -329,4 +342,24 @@ fn named(problem: &Problem, found: &Found, vocabulary: &[&'static Effect]) -> (V
     in_the_set.sort_by(|a, b| a.0.total_cmp(&b.0));
     let others = in_the_set.into_iter().map(|(_, hypothesis)| hypothesis);
     (effects, std::iter::once(best.refitted.hypothesis.clone()).chain(others).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use plant::Model;
+
+    use super::{Physics, moves_less};
+
+    /// More inertia and less gain are one thing to a motion; what pulls at the axis, and what is less than relevant, is none of it.
+    #[test]
+    fn a_noisy_torque_seems_to_move_the_machine_less() {
+        let machine = |inertia, torque_gain| Physics::new(Model { torque_gain, ..Model::new(inertia) });
+        let band = machine(21.8, 1.0);
+        for (own, less) in [((78.2, 1.0), true), ((21.8, 0.68), true), ((22.2, 1.0), false), ((20.0, 1.0), false)] {
+            assert_eq!(moves_less(&machine(own.0, own.1), &band), less, "{own:?}");
+        }
+        let mut rubbed = band.clone();
+        rubbed.model.coulomb = 18.4;
+        assert!(!moves_less(&rubbed, &band));
+    }
 }
