@@ -242,8 +242,7 @@ fn estimated(finer: &Problem, found: Found) -> Found {
 /// Without the entries that the substeps of the search only seemed to need: the weakest first is tested again as the search tests it.
 fn without_weak(finer: &Problem, mut found: Found) -> Found {
     while !finer.is_spent() {
-        let weaker = |a: &usize, b: &usize| found.evidence[*a].1.total_cmp(&found.evidence[*b].1);
-        let Some(at) = (0..found.evidence.len()).min_by(weaker) else { break };
+        let Some(at) = found.weakest(0..found.evidence.len()) else { break };
         let Some(without) = found.best.without(finer, at) else { break };
         let best = &found.best.assessed;
         let rise = best.refitted.log_likelihood - without.assessed.refitted.log_likelihood;
@@ -257,12 +256,12 @@ fn without_weak(finer: &Problem, mut found: Found) -> Found {
     found
 }
 
-/// Without the entries whose intervals hold what they are without the effect.
+/// Without the entries whose intervals hold what they are without the effect, the weakest first: what it stood beside may then be sure.
 fn without_doubtful(finer: &Problem, mut found: Found) -> Found {
     loop {
         let best = &found.best.assessed;
-        let Some(at) = (0..best.refitted.hypothesis.entries.len()).find(|&at| !best.away_from_neutral(finer, at))
-        else {
+        let doubtful = |at: &usize| !best.away_from_neutral(finer, *at);
+        let Some(at) = found.weakest((0..best.refitted.hypothesis.entries.len()).filter(doubtful)) else {
             return found;
         };
         if finer.is_spent() {

@@ -56,6 +56,12 @@ impl Found {
         self.forget(entry);
     }
 
+    /// Which of these entries of the best brought the windows least; the first of several.
+    pub(crate) fn weakest(&self, entries: impl Iterator<Item = usize>) -> Option<usize> {
+        let gain = |entry: &usize| self.evidence.get(*entry).map_or(0.0, |(_, gain)| *gain);
+        entries.min_by(|a, b| gain(a).total_cmp(&gain(b)))
+    }
+
     /// Forgets what belongs to an entry that is in the best no longer.
     fn forget(&mut self, entry: usize) {
         if entry < self.evidence.len() {
