@@ -219,7 +219,7 @@ fn how_good(model: Option<&FirstModel>, kind: AxisKind, unit: &str) -> String {
     } else {
         ""
     };
-    let _ = writeln!(text, "        it explains {percent:.0} % of the variance of the {effort}{note}");
+    let _ = writeln!(text, "        it explains {percent:.1} % of the variance of the {effort}{note}");
     if model.reversed {
         text += "UNSURE  the effort pushes against the acceleration: turn its sign with *-1 in --map\n";
     }
