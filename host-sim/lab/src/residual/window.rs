@@ -93,9 +93,9 @@ fn median_period_s(t_s: &[f64]) -> f64 {
     spans.get(spans.len() / 2).copied().unwrap_or(1e-3)
 }
 
-/// Work of the plant, as it counts it, that a residual may take: this, ten seconds at the 0.1 us of the slowest law that was
-/// measured (a cogging that swings the rotor in less than a step) ...
-const LEAST_BUDGET: u64 = 100_000_000;
+/// Work of the plant, as it counts it, that a residual may take: this, seven seconds at the 0.13 us of the slowest law that was
+/// measured (a cogging that swings the rotor in less than a step), twice that beside other work ...
+const LEAST_BUDGET: u64 = 50_000_000;
 /// ... with so much a row, several times what a fluid with a bristle of 1e9 N m/rad needs on rows of 5 ms (75,000) ...
 const STIFF_ROW: u64 = 500_000;
 /// ... up to this, which 15 s of such a fluid, or of a load in its gap at 10 kHz, do not reach (220 and 250 million): a comparison
