@@ -57,7 +57,7 @@ pub struct Conclusion {
 
 impl Conclusion {
     /// The machine with the effects of the best hypothesis.
-    fn physics(&self, problem: &Problem) -> Physics {
+    pub fn physics(&self, problem: &Problem) -> Physics {
         self.best.assessed.refitted.hypothesis.physics(&problem.nominal)
     }
 

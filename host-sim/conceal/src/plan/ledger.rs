@@ -13,8 +13,8 @@ pub const TUNING: u64 = 10_000;
 /// Families outside the vocabulary in a round.
 const FAMILIES: usize = 6;
 
-/// Families outside the vocabulary that the tool was tuned beside, and since when. They are never scored as unseen again: a family
-/// is added here as soon as one case of it has been looked into.
+/// Families outside the vocabulary that the tool was tuned beside or a scored round has drawn, and since when. They are never scored as
+/// unseen again: a family is added here with the round that drew it, or as soon as one case of it has been looked into.
 pub const LEDGER: [(&str, &str); 79] = [
     ("friction over position", "friction_over_position, round 20000 of the fixed plan"),
     ("friction over load", "friction_by_load, round 20000 of the fixed plan"),

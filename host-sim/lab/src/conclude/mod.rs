@@ -144,7 +144,7 @@ pub fn diagnose_on(request: &Request<'_>, course: &Course) -> Result<Diagnosis, 
     answer.warnings.extend(answer::warnings(&problem, &conclusion, answer.experiment.is_some()));
     stages.done("propose");
     course.enter("what is left");
-    let improved = conclusion.best.assessed.refitted.hypothesis.physics(&problem.nominal);
+    let improved = conclusion.physics(&problem);
     let whitened = whitened::all(&problem, &conclusion);
     Ok(Diagnosis { answer, improved, nominal: problem.nominal, whitened, proposal, stages })
 }
