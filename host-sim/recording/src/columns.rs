@@ -5,6 +5,9 @@ use super::nearest::{misspelt, quoted};
 use super::units::{self, Quantity};
 use super::{AxisKind, MappedColumn, Mapping};
 
+/// The name that a mapping gives the time of a log without one: the number of the row, counted from 0. Columns without names count from 1.
+pub(crate) const ROW: &str = "[0]";
+
 /// A column the format knows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Column {
@@ -179,6 +182,8 @@ pub(crate) struct Header {
     pub(crate) mapped: bool,
     /// Rows above the header that are left out.
     pub(crate) rows_above: usize,
+    /// How the number of a row is read as its time, where a mapping says so of a log that has no other.
+    pub(crate) row_time: Option<Reading>,
 }
 
 impl Header {
@@ -195,7 +200,7 @@ impl Header {
             },
             Wanted::Table | Wanted::Words => {
                 let columns = names.into_iter().map(|name| HeaderColumn::new(name, Role::Other)).collect();
-                return Ok(Self { axis: AxisKind::Rotary, columns, mapped: false, rows_above: 0 });
+                return Ok(Self { axis: AxisKind::Rotary, columns, mapped: false, rows_above: 0, row_time: None });
             }
         };
         let axis = axis_of(&names, expected)?;
@@ -206,7 +211,7 @@ impl Header {
                 HeaderColumn::new(name, role)
             })
             .collect();
-        let header = Self { axis, columns, mapped: false, rows_above: 0 };
+        let header = Self { axis, columns, mapped: false, rows_above: 0, row_time: None };
         let missing: Vec<&str> = Column::REQUIRED
             .into_iter()
             .filter(|required| !header.columns.iter().any(|column| column.role.column() == Some(*required)))
@@ -223,11 +228,15 @@ impl Header {
             return None;
         }
         let mut columns: Vec<_> = names.iter().map(|name| HeaderColumn::new(name.clone(), Role::Skipped)).collect();
+        let mut row_time = None;
         for (mapped, place) in places {
-            let Some(place) = place else { return Some(Err(unmapped(names, axis, mapped))) };
-            columns[place].role = Role::Known(mapped.column, mapped.reading());
+            match place {
+                Some(place) => columns[place].role = Role::Known(mapped.column, mapped.reading()),
+                None if mapped.is_row() => row_time = Some(mapped.reading()),
+                None => return Some(Err(unmapped(names, axis, mapped))),
+            }
         }
-        Some(Ok(Self { axis, columns, mapped: true, rows_above: 0 }))
+        Some(Ok(Self { axis, columns, mapped: true, rows_above: 0, row_time }))
     }
 
     /// All required columns that are missing, each with the one that may be meant to be it.

@@ -3,6 +3,7 @@
 mod names;
 mod search;
 
+use super::columns::ROW;
 use super::joints::Joints;
 use super::nearest::{misspelt, quoted};
 use super::units::{self, Quantity};
@@ -96,6 +97,9 @@ fn given(table: &Table, flag: &MapFlag, axis: AxisKind) -> Result<Guess, String>
             let mapped = MappedColumn::new(column, axis, &flag.name, &flag.unit, flag.scale).map_err(wrong)?;
             return Ok(Guess { mapped, because: "given".to_owned(), unsure: false });
         }
+        if column == Column::Time && flag.name == ROW {
+            return row_time(flag, axis).map_err(wrong);
+        }
         return Err(wrong(unknown(table, flag)));
     };
     let (unit, unit_because, unsure) = if flag.unit.is_empty() && flag.scale.is_none() {
@@ -105,6 +109,15 @@ fn given(table: &Table, flag: &MapFlag, axis: AxisKind) -> Result<Guess, String>
     };
     let mapped = MappedColumn::new(column, axis, name, &unit, flag.scale).map_err(wrong)?;
     Ok(Guess { mapped, because: format!("given; unit: {unit_because}"), unsure })
+}
+
+/// The time of a log that has no column of it: its rows are evenly apart, and the flag says how far.
+fn row_time(flag: &MapFlag, axis: AxisKind) -> Result<Guess, String> {
+    if flag.unit.is_empty() && flag.scale.is_none() {
+        return Err("say how far the rows are apart, as in --map \"time=[0]:ms*5\"".to_owned());
+    }
+    let mapped = MappedColumn::new(Column::Time, axis, ROW, &flag.unit, flag.scale)?;
+    Ok(Guess { mapped, because: "given; the number of the row".to_owned(), unsure: false })
 }
 
 /// Why a flag names no column of numbers, and which may be meant.
@@ -239,6 +252,20 @@ mod tests {
             error.starts_with("--map torque=d: the column is not in the log; it has the columns `t`, `pos`, `c`"),
             "{error}"
         );
+    }
+
+    #[test]
+    fn the_time_of_a_log_without_one_is_the_number_of_the_row() {
+        let (names, flags) = (["[1]", "[2]"], ["position=[1]:rad", "torque=[2]:N m", "time=[0]:ms*5"]);
+        assert_eq!(found(&names, &flags).unwrap()[0], r#"time = { name = "[0]", unit = "ms", scale = 5.0 }"#);
+        let error = found(&names, &["position=[1]:rad", "torque=[2]:N m", "time=[0]"]).unwrap_err();
+        assert!(error.starts_with("--map time=[0]: say how far the rows are apart"), "{error}");
+        let error = found(&["pos", "torque"], &["position=[0]"]).unwrap_err();
+        assert!(error.contains("the column is not in the log"), "{error}");
+        let mut falls = table(&["pos", "torque"]);
+        falls.numbers.iter_mut().for_each(|(_, values)| values.reverse());
+        let error = guess(&falls, Given::default()).unwrap_err();
+        assert!(error.ends_with("rows are evenly apart, say how far: --map \"time=[0]:ms*5\""), "{error}");
     }
 
     #[test]

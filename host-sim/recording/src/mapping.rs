@@ -7,6 +7,7 @@
 //! torque = { name = "iq", unit = "A", scale = -0.12 } # N m per A
 //! ```
 
+use super::columns::ROW;
 use super::nearest::quoted;
 use super::toml_section::Section;
 use super::units::{self, Quantity};
@@ -204,6 +205,11 @@ impl MappedColumn {
             ));
         }
         Ok(Self { wrap: Some(wrap), ..self })
+    }
+
+    /// Whether it is the time of a log without one, by the number of the row; a column of this name comes before it.
+    pub(crate) fn is_row(&self) -> bool {
+        self.column == Column::Time && self.name == ROW
     }
 
     /// What the numbers of the log are turned by into those of the format.

@@ -191,6 +191,10 @@ impl Recording {
             }
             recording.place(column, values);
         }
+        if let Some(reading) = header.row_time {
+            recording.t_s = (0..recording.position.len()).map(|row| row as f64).collect();
+            reading.apply(&mut recording.t_s, 0.0);
+        }
         if recording.t_s.is_empty() {
             return Err(Error::input(file, None, "", "the file holds a header but no rows"));
         }

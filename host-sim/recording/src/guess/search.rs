@@ -165,6 +165,11 @@ pub(super) fn dates(cell: &str) -> &'static str {
 
 fn missing(table: &Table, column: Column, axis: AxisKind) -> String {
     let (key, unit) = (column.key(axis), column.unit(axis));
-    let what = if column == Column::Time { "no column always rises" } else { "no name tells" };
-    format!("which column is `{key}`? {what}; {}; give it as --map \"{key}=NAME:{unit}\"", has(table))
+    let (what, else_rows) = if column == Column::Time {
+        let rows = "; where no column is, and rows are evenly apart, say how far: --map \"time=[0]:ms*5\"";
+        ("no column always rises", rows)
+    } else {
+        ("no name tells", "")
+    };
+    format!("which column is `{key}`? {what}; {}; give it as --map \"{key}=NAME:{unit}\"{else_rows}", has(table))
 }

@@ -127,6 +127,28 @@ fn columns_without_a_header_have_numbers() {
 }
 
 #[test]
+fn rows_without_a_time_are_evenly_apart() {
+    let machine = machine(
+        "[columns]\ntime = { name = \"[0]\", unit = \"ms\", scale = 5.0 }\nposition = { name = \"q\" }\n\
+         torque = { name = \"tau\" }\n",
+    )
+    .unwrap();
+    for (name, log) in [
+        ("a.csv", "q,tau\n0,1\n0.5,2\n1,1\n"),
+        ("a.json", r#"[{"q":0,"tau":1},{"q":0.5,"tau":2},{"q":1,"tau":1}]"#),
+        // A column of the log of that name is the time.
+        ("b.csv", "[0],q,tau\n10,0,1\n11,0.5,2\n12,1,1\n"),
+    ] {
+        let recording = read(name, log.as_bytes(), &machine).unwrap();
+        close(&recording.t_s, &[0.0, 0.005, 0.010]);
+        close(&recording.position, &[0.0, 0.5, 1.0]);
+    }
+    // Logs that servo-lab writes keep their own time.
+    let own = read("c.csv", b"t_s,position_rad,torque_cmd_nm\n0,0,1\n0.001,1,2\n", &machine).unwrap();
+    close(&own.t_s, &[0.0, 0.001]);
+}
+
+#[test]
 fn comments_are_left_out_and_the_last_may_name_the_columns() {
     let machine = machine(COLUMNS).unwrap();
     let log = "# Bench 3, 24 V\n#ts\tenc\ti\n1000000\t10\t1.5\n# here it was pushed\n1001000\t20\t-2\n";
