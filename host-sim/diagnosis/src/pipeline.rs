@@ -6,7 +6,9 @@ use crate::hypothesis::{Entry, Hypothesis, refit};
 use crate::physics::Physics;
 use crate::problem::Problem;
 use crate::remainder::{Remainder, remainder};
-use crate::search::{Found, LEVEL_OF_A_STEP, Odds, Rejected, SMALLEST_GAIN, first_noise, gain, p_value, search};
+use crate::search::{
+    Found, LEVEL_OF_A_STEP, Odds, Rejected, SMALLEST_GAIN, chance, first_noise, gain, p_value, search,
+};
 use crate::verdict::{Standing, Verdict, verdict};
 use crate::work::WORK;
 
@@ -142,26 +144,50 @@ fn moves_less(own: &Physics, other: &Physics) -> bool {
 
 /// The problem with the rows of the torque column read the other way, as samples or as values held to the next row, and what is found so;
 /// none where that is not asked for or less likely. Half a row between the readings is a skew of the channels, and which reading is right was
-/// decided on the nominal machine, which may lack too much to tell: so the other one is tried where a skew or a delay was found that is
-/// nearer to its half row than to none, and taken where it is likelier for the values it needs (Schwarz 1978).
+/// decided on the nominal machine, which may lack too much to tell: so the other one is tried where what was found is likelier with it, or has a
+/// skew or a delay that is nearer to its half row than to none.
 fn read_again(problem: &Problem, found: &Conclusion, vocabulary: &[&'static Effect]) -> Option<(Problem, Conclusion)> {
-    let (nominal, physics) = (&problem.nominal, found.physics(problem));
-    let later_s = |physics: &Physics| physics.skew_s + physics.model.sensor.latency_s + physics.model.torque_delay_s;
     let other = problem.read_otherwise()?;
-    let apart_s = |index: usize| problem.early_s[index] - other.early_s[index];
-    let nearer =
-        |index: usize| (later_s(&physics) - later_s(nominal) - apart_s(index)).abs() < 0.5 * apart_s(index).abs();
-    if !(0..problem.fitted).all(nearer) {
+    if !is_likelier(&other, found) && !is_nearer(&other, problem, found) {
         return None;
     }
     let other = other.allowing(WORK.saturating_sub(problem.work()));
     let again = diagnose(&other, vocabulary)?;
-    let worth = |found: &Conclusion| {
-        let best = &found.best.assessed;
-        best.refitted.log_likelihood - problem.price() * best.freedom() as f64
-    };
-    (worth(&again) > worth(found)).then_some((other, again))
+    explains_as_well(problem, &again, found).then_some((other, again))
 }
+
+/// Whether what one reading found is taken in the place of what the other did: where it needs fewer values, unless those more are certain as
+/// a step of the search has to be, and else where it is likelier for its values (Schwarz 1978).
+fn explains_as_well(problem: &Problem, again: &Conclusion, found: &Conclusion) -> bool {
+    let (again, found) = (&again.best.assessed, &found.best.assessed);
+    let rise = found.refitted.log_likelihood - again.refitted.log_likelihood;
+    let more = found.freedom() as f64 - again.freedom() as f64;
+    if more > 0.0 {
+        chance(2.0 * rise, found.freedom() - again.freedom()) * VOCABULARY.len() as f64 >= LEVEL_OF_A_STEP
+    } else {
+        rise < problem.price() * more
+    }
+}
+
+/// Whether the same effects are likelier with the other reading.
+fn is_likelier(other: &Problem, found: &Conclusion) -> bool {
+    let own = &found.best.assessed.refitted;
+    let refitted = refit(other, &own.hypothesis, &own.noise, STEPS_OF_THE_OTHER);
+    refitted.is_some_and(|refitted| refitted.log_likelihood > own.log_likelihood)
+}
+
+/// Whether the skew or the delay that was found is, in every recording, nearer to the other reading's half row than to none.
+fn is_nearer(other: &Problem, problem: &Problem, found: &Conclusion) -> bool {
+    let later_s = |physics: &Physics| physics.skew_s + physics.model.sensor.latency_s + physics.model.torque_delay_s;
+    let found_s = later_s(&found.physics(problem)) - later_s(&problem.nominal);
+    (0..problem.fitted).all(|index| {
+        let apart_s = problem.early_s[index] - other.early_s[index];
+        (found_s - apart_s).abs() < 0.5 * apart_s.abs()
+    })
+}
+
+/// Refits of the other reading's values: they are at an optimum already, but not at this one's.
+const STEPS_OF_THE_OTHER: usize = 2;
 
 /// How a hypothesis predicts the windows that judge, beside another.
 enum Prediction {
@@ -170,9 +196,6 @@ enum Prediction {
     Alike,
     Worse,
 }
-
-/// Refits of the other reading's values: they are at an optimum already, but not at this one's.
-const STEPS_OF_THE_OTHER: usize = 2;
 
 /// How a hypothesis predicts commands' windows beside one of the other reading: better than one that cannot be followed.
 fn prediction(commands: &Problem, own: &Step, other: &Step) -> Prediction {

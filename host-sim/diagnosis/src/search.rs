@@ -119,16 +119,21 @@ pub fn nominal(problem: &Problem) -> Option<Refitted> {
 /// Probability that chance alone brings `gain` to an entry, corrected for all that was tried.
 pub fn p_value(assessed: &Assessed, entry: usize, gain: f64, odds: Odds) -> f64 {
     let of = &assessed.refitted.hypothesis.entries[entry];
-    let freedom = of.effect.freedom(&of.values).max(1) as f64;
+    let freedom = of.effect.freedom(&of.values).max(1);
     // Scatter over blocks tells nothing of what happens in one or two of them; how others of its kind stand out does.
     let once = (of.effect.span)(&of.values).is_some();
     let statistic = 2.0 * gain / if once { 1.0 } else { assessed.design_effect(entry) };
+    let single = chance(statistic, freedom);
+    (single * odds.tries * crate::effects::VOCABULARY.len() as f64).max(odds.by_chance).min(1.0)
+}
+
+/// Probability that chance alone brings twice the log-likelihood `statistic` to so many values (Wilks 1938).
+pub(crate) fn chance(statistic: f64, freedom: usize) -> f64 {
     // Below the smallest normal number the distribution's argument would be rounded to 0, which it panics on.
     if statistic.is_nan() || statistic < f64::MIN_POSITIVE {
         return 1.0;
     }
-    let single = ChiSquared::new(freedom).map_or(1.0, |chi| chi.sf(statistic));
-    (single * odds.tries * crate::effects::VOCABULARY.len() as f64).max(odds.by_chance).min(1.0)
+    ChiSquared::new(freedom as f64).map_or(1.0, |chi| chi.sf(statistic))
 }
 
 /// The nominal machine with what others would stand in for where it is missing; none where it can have nothing of the kind, or beside a

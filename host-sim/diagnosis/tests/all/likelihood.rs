@@ -1,5 +1,7 @@
 //! The likelihood and the judge on recordings of the plant, where the truth is known.
 
+use std::f64::consts::TAU;
+
 use crate::common::{Making, PLAIN, STEP_RAD, recording, three};
 use diagnosis::confidence_set::{Step, assess, intervals};
 use diagnosis::effects::{VOCABULARY, find};
@@ -11,10 +13,13 @@ use diagnosis::recorded::Recorded;
 use diagnosis::search::{first_noise, nominal};
 use diagnosis::verdict::Verdict;
 use diagnosis::windows::WindowFit;
-use plant::effects::{Asymmetry, Harmonic, Shaft, Vibration};
-use plant::{Command, Model};
+use plant::effects::{Asymmetry, Gravity, Harmonic, Shaft, Vibration};
+use plant::sensor::{Sampler, SamplerConfig, TorqueNoise};
+use plant::{Command, Model, Plant, State};
 
 const SECONDS: f64 = 4.0;
+/// Of 16 bits, rad.
+const ENCODER_RAD: f64 = TAU / 65536.0;
 
 /// Open-loop torques that move either way, rest and reverse.
 fn torque(t_s: f64, phase: f64) -> f64 {
@@ -290,6 +295,58 @@ fn what_rings_at_sixty_hertz_is_found_where_commands_are_held() {
     let named = &found.effects[0];
     assert_eq!(named.effect.id, "compliance", "{:?}", found.effects);
     assert!((named.intervals[0].value - 60.0).abs() < 0.6, "{:?}", named.intervals);
+}
+
+/// The swing's jerk runs against its speed, so the machine without that friction is likelier half a row early.
+#[test]
+fn a_missing_friction_does_not_make_samples_of_held_commands() {
+    let weight = Gravity { amplitude: 0.6, phase_rad: 0.0 };
+    let prompt = Model { coulomb: 0.15, gravity: Some(weight), torque_delay_s: 0.0, ..Model::new(0.02) };
+    let recordings = vec![followed(&Model { viscous: 0.05, ..prompt.clone() }, 10_000)];
+    let problem = Problem::new(Physics::new(prompt), recordings, 1, ENCODER_RAD, false);
+    let (_, found) = diagnose_as_read(problem, &VOCABULARY).unwrap();
+    assert_eq!(found.effects.len(), 1, "{:?}", found.effects);
+    assert_eq!(found.effects[0].effect.id, "viscous_friction");
+    let told = found.effects[0].intervals[0];
+    assert!(told.low < 0.05 && 0.05 < told.high && told.high - told.low < 0.002, "{told:?}");
+    assert!(found.remainder.is_none(), "{:?}", found.remainder);
+}
+
+/// A machine that a PD law makes follow a smooth reference, its torque held for 1 ms.
+fn followed(actual: &Model, rows: usize) -> Recorded {
+    let reference = |t_s: f64| -> f64 {
+        [
+            (0.2, 1.0, 3.38),
+            (0.43, 0.6, 2.16),
+            (0.77, 0.4, 2.32),
+            (1.3, 0.25, 2.35),
+            (2.1, 0.12, 6.20),
+            (3.1, 0.07, 3.98),
+        ]
+        .map(|(hz, amplitude, phase_rad)| amplitude * (TAU * hz * t_s + phase_rad).sin())
+        .iter()
+        .sum()
+    };
+    let mut plant = Plant::new(actual, State::default(), 0.0).unwrap();
+    let at_s: Vec<f64> = (0..rows).map(|row| row as f64 * 1e-3).collect();
+    let sampler = SamplerConfig { resolution: ENCODER_RAD, noise_sd: 0.1 * ENCODER_RAD, ..SamplerConfig::default() };
+    let (mut sampler, mut noise) = (Sampler::new(sampler, 1).unwrap(), TorqueNoise::new(0.0, 1).unwrap());
+    let (mut position, mut commands) = (Vec::new(), Vec::new());
+    for t_s in &at_s {
+        let State { position: is, velocity, .. } = *plant.state();
+        let command = Command::new(15.0 * (reference(*t_s) - is) - 0.6 * velocity, 0.0);
+        position.push(sampler.measure(is));
+        commands.push(command);
+        plant.advance(&Command { external_torque: noise.draw(), ..command }, t_s + 1e-3).unwrap();
+    }
+    Recorded {
+        name: "1".to_owned(),
+        t_s: at_s,
+        position,
+        commands,
+        skipped: vec![false; rows],
+        after_gap: vec![false; rows],
+    }
 }
 
 /// Of what shakes at 17 Hz they see a thirtieth.
