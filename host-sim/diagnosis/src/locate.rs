@@ -104,12 +104,12 @@ pub fn spans(problem: &Problem, conclusion: &Conclusion) -> Vec<Span> {
     spans
 }
 
-/// 95 % band of the share of the rows inside, by leaving out each block in turn (jackknife).
+/// 95 % band of the share that the rows inside have of all that tells for the best, by leaving out each block in turn (jackknife).
 fn band(problem: &Problem, rows: &[Vec<f64>], inside: &dyn Fn(usize, usize) -> bool) -> (f64, f64) {
     let mut blocks: Vec<(f64, f64)> = Vec::new();
     for (recording, values) in rows.iter().enumerate() {
         for block in &problem.blocks[recording] {
-            let all: f64 = values[block.clone()].iter().sum();
+            let all: f64 = values[block.clone()].iter().map(|value| value.max(0.0)).sum();
             blocks.push((block.clone().filter(|&row| inside(recording, row)).map(|row| values[row]).sum(), all));
         }
     }
@@ -155,7 +155,7 @@ fn region(
     let edge = |bin: usize| bin * all.len() / BINS;
     let bins: Vec<f64> =
         (0..BINS).map(|bin| all[edge(bin)..edge(bin + 1)].iter().map(|(_, gain)| gain).sum()).collect();
-    let total: f64 = bins.iter().sum();
+    let total: f64 = all.iter().map(|(_, gain)| gain.max(0.0)).sum();
     if total.is_nan() || total <= 0.0 {
         return None;
     }

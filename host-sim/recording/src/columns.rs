@@ -1,5 +1,6 @@
 //! Columns of a recording: their names on each kind of axis, and the header made sense of.
 
+use super::column_names::{refuse_unusable_names, told_apart};
 use super::mapping::Reading;
 use super::nearest::{misspelt, quoted};
 use super::units::{self, Quantity};
@@ -190,6 +191,12 @@ impl Header {
     /// Checks the column names: not doubled, of one kind of axis (the machine's, where it tells), and none of the
     /// required ones missing.
     pub(crate) fn resolve(names: Vec<String>, wanted: Wanted<'_>) -> Result<Self, Complaint> {
+        let has_own = match wanted {
+            Wanted::Recording(_) => true,
+            Wanted::Mapped(_, mapping) => mapping.is_empty(),
+            Wanted::Table | Wanted::Words => false,
+        };
+        let names = if has_own { names } else { told_apart(&names) };
         refuse_unusable_names(&names)?;
         let expected = match wanted {
             Wanted::Recording(expected) => expected,
@@ -285,24 +292,6 @@ pub(crate) fn quoted_list(names: &[&str]) -> String {
     let shown: Vec<_> = names.iter().take(12).map(|name| quoted(name)).collect();
     let more = names.len().saturating_sub(shown.len());
     if more == 0 { shown.join(", ") } else { format!("{} and {more} more", shown.join(", ")) }
-}
-
-fn refuse_unusable_names(names: &[String]) -> Result<(), Complaint> {
-    if !names.is_empty() && names.iter().all(|name| name.parse::<f64>().is_ok()) {
-        let message = "header row is missing: the first line holds numbers only; say which column is what by its number, \
-                       as in servo-lab init LOG --map time=[1]:s --map position=[2]:rad --map \"torque=[3]:N m\"";
-        return Err(Complaint::new("", message));
-    }
-    for (index, name) in names.iter().enumerate() {
-        if name.is_empty() {
-            return Err(Complaint::new("", format!("column {} has no name", index + 1)));
-        }
-        if let Some(first) = names[..index].iter().position(|earlier| earlier == name) {
-            let message = format!("column is there twice, as column {} and column {}", first + 1, index + 1);
-            return Err(Complaint::new(name, message));
-        }
-    }
-    Ok(())
 }
 
 /// The kind of axis the names tell; `expected` where they tell none.

@@ -2,18 +2,16 @@
 
 mod names;
 mod search;
+mod unit;
 
 use super::columns::ROW;
 use super::joints::Joints;
 use super::nearest::{misspelt, quoted};
 use super::units::{self, Quantity};
-use super::words::{CURRENT, is_one_of, telling, words};
 use super::{AxisKind, Column, MapFlag, MappedColumn, Mapping, Table};
 use names::fit;
 use search::{Search, dates};
-
-/// Sample periods of drives, s; a clock whose steps are outside is in another unit.
-const PERIODS_S: std::ops::Range<f64> = 2e-5..5e-2;
+use unit::{is_of, unit_of};
 
 /// One column that was guessed, or given.
 #[derive(Debug, Clone, PartialEq)]
@@ -108,7 +106,12 @@ fn given(table: &Table, flag: &MapFlag, axis: AxisKind) -> Result<Guess, String>
         (flag.unit.clone(), "given".to_owned(), false)
     };
     let mapped = MappedColumn::new(column, axis, name, &unit, flag.scale).map_err(wrong)?;
-    Ok(Guess { mapped, because: format!("given; unit: {unit_because}"), unsure })
+    let mut because = format!("given; unit: {unit_because}");
+    let other = table.unit(name).filter(|unit| !is_of(column, axis, unit));
+    if let Some(other) = &other {
+        because += &format!(", though the log tells {other}");
+    }
+    Ok(Guess { mapped, because, unsure: unsure || other.is_some() })
 }
 
 /// The time of a log that has no column of it: its rows are evenly apart, and the flag says how far.
@@ -140,38 +143,6 @@ fn has(table: &Table) -> String {
     let more = table.numbers.len().saturating_sub(names.len());
     let more = if more == 0 { String::new() } else { format!(" and {more} more") };
     format!("it has the columns {}{more}", names.join(", "))
-}
-
-/// The unit of a column, why, and whether that is unsure.
-fn unit_of(table: &Table, column: Column, axis: AxisKind, (name, values): (&str, &[f64])) -> (String, String, bool) {
-    let told = table
-        .unit(name)
-        .filter(|unit| units::measure(unit).is_some_and(|measure| column.quantities(axis).contains(&measure.quantity)));
-    if let Some(unit) = told {
-        let because = if units::told(name).is_some() { "by its name" } else { "by the row below the header" };
-        return (unit, because.to_owned(), false);
-    }
-    let own = column.unit(axis);
-    if column == Column::Time && values.len() > 1 {
-        let step = (values[values.len() - 1] - values[0]) / (values.len() - 1) as f64;
-        let found = [("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9)];
-        let unit = found.into_iter().find(|(_, factor)| PERIODS_S.contains(&(step * factor)));
-        let Some((unit, _)) = unit else {
-            return (own.to_owned(), format!("not told, and rows {step} apart fit none"), true);
-        };
-        return (unit.to_owned(), format!("rows are {step:.6} apart"), unit != "s");
-    }
-    let words = words(telling(name));
-    if matches!(column, Column::EffortCmd | Column::EffortMeas) {
-        let any = |list: &[&str]| words.iter().any(|word| is_one_of(word, list));
-        if any(CURRENT) {
-            return ("A".to_owned(), "a current by its name".to_owned(), true);
-        }
-        if any(&["voltage"]) {
-            return ("V".to_owned(), "a voltage by its name".to_owned(), true);
-        }
-    }
-    (own.to_owned(), format!("NOT TOLD, taken as {own}"), column != Column::Time)
 }
 
 #[cfg(test)]
@@ -266,6 +237,25 @@ mod tests {
         falls.numbers.iter_mut().for_each(|(_, values)| values.reverse());
         let error = guess(&falls, Given::default()).unwrap_err();
         assert!(error.ends_with("rows are evenly apart, say how far: --map \"time=[0]:ms*5\""), "{error}");
+    }
+
+    #[test]
+    fn counts_and_shares_are_asked_for() {
+        let because = |names: &[&str], flags: &[&str], at: usize| -> (String, bool) {
+            let flags: Vec<MapFlag> = flags.iter().map(|flag| flag.parse().unwrap()).collect();
+            let (_, guesses) = guess(&table(names), Given { flags: &flags, ..Given::default() }).unwrap();
+            (guesses[at].because.clone(), guesses[at].unsure)
+        };
+        let names = ["t", "position_actual_value [inc]", "torque [%]"];
+        let (position, unsure) = because(&names, &[], 1);
+        let asked = "give --map \"position=position_actual_value [inc]:counts(NUMBER IN A REVOLUTION)\"";
+        assert!(unsure && position.contains("how large is NOT KNOWN") && position.ends_with(asked), "{position}");
+        let (torque, unsure) = because(&names, &[], 2);
+        assert!(unsure && torque.ends_with("give --map \"torque=torque [%]:N m*ONE OF IT\""), "{torque}");
+        let (position, unsure) = because(&["t", "speed_rad_s", "torque"], &["position=speed_rad_s:rad"], 1);
+        assert!(unsure && position.ends_with("though the log tells rad/s"), "{position}");
+        let (time, unsure) = because(&["time_ms", "pos", "torque"], &[], 0);
+        assert!(unsure && time.ends_with("but rows are then 5e-7 s apart"), "{time}");
     }
 
     #[test]

@@ -4,6 +4,7 @@
 //! Without a terminal and without a command line.
 #![forbid(unsafe_code)]
 
+mod column_names;
 mod columns;
 mod controller;
 mod csv_file;
@@ -47,6 +48,7 @@ mod vectors;
 pub mod vocabulary;
 mod words;
 mod wrap;
+mod wrong_samples;
 
 pub use columns::Column;
 pub use controller::read_parameters;
@@ -64,3 +66,4 @@ pub use recording::{BESIDE_THE_LAW, Cells, Recording, places};
 pub use table::Table;
 pub use values::Cell;
 pub use wrap::{Wrap, wrap};
+pub use wrong_samples::wrong_samples;

@@ -6,6 +6,7 @@ mod shows;
 mod skew;
 
 use std::path::PathBuf;
+use std::process::ExitCode;
 
 use crate::read::{Given, Machine, MapFlag};
 use crate::{Error, output};
@@ -26,14 +27,19 @@ pub struct Args {
     /// The joint, where the logs hold several.
     #[arg(long, value_name = "NAME", conflicts_with = "machine")]
     joint: Option<String>,
+    /// Ends with exit code 1 where a log has a line of this kind, or of a worse one.
+    #[arg(long, value_enum, value_name = "KIND")]
+    fail_on: Option<State>,
 }
 
 /// Whether something is as it should be.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, clap::ValueEnum)]
 enum State {
+    #[value(skip)]
     Good,
     /// Works, or is needed for some things only.
     Note,
+    /// Worth a new recording.
     Bad,
 }
 
@@ -64,19 +70,24 @@ fn text(checks: &[Check]) -> String {
     checks.iter().map(line).collect()
 }
 
-/// Looks at this computer, or at logs, and prints what was found.
+/// Looks at this computer, or at logs, and prints what was found; exit code 1 is what `--fail-on` asks for.
 ///
 /// # Errors
 /// Files that cannot be read.
-pub fn run(args: &Args) -> Result<(), Error> {
+pub fn run(args: &Args) -> Result<ExitCode, Error> {
     if args.logs.is_empty() {
-        return output::print(&text(&machine::checks()));
+        // What of it is needed depends on what is to be done.
+        output::print(&text(&machine::checks()))?;
+        return Ok(ExitCode::SUCCESS);
     }
     let machine = args.machine.as_deref().map(Machine::read).transpose()?;
     let given = Given { flags: &args.map, joint: args.joint.as_deref(), axis: None };
-    let mut all = String::new();
+    let (mut all, mut worst) = (String::new(), State::Good);
     for file in &args.logs {
-        all += &format!("{}\n{}", file.display(), text(&log::checks(file, machine.as_ref(), given)?));
+        let checks = log::checks(file, machine.as_ref(), given)?;
+        worst = checks.iter().map(|check| check.state).fold(worst, State::max);
+        all += &format!("{}\n{}", file.display(), text(&checks));
     }
-    output::print(&all)
+    output::print(&all)?;
+    Ok(if args.fail_on.is_some_and(|kind| worst >= kind) { ExitCode::from(1) } else { ExitCode::SUCCESS })
 }

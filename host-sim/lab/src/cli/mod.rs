@@ -178,13 +178,13 @@ impl Cli {
     fn carry_out(&self) -> Result<ExitCode, Error> {
         match &self.command {
             Command::Diagnose(args) => return diagnose::run(args, self.verbose),
+            Command::Doctor(args) => return doctor::run(args),
             Command::Help(args) => help::help(args),
             Command::Completions(args) => help::completions(args),
             Command::Man(args) => help::man(args),
             Command::Delays(args) => delays::run(args),
             Command::Fleet(args) => fleet::run(args),
             Command::Convert(args) => convert::run(args),
-            Command::Doctor(args) => doctor::run(args),
             Command::Init(args) => init::run(args),
             Command::Simulate(args) => simulate::run(args),
             Command::Replay(args) => replay::run(args),

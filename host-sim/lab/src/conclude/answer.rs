@@ -64,7 +64,9 @@ fn verdict(verdict: judged::Verdict) -> Verdict {
 }
 
 fn fit(problem: &Problem, conclusion: &Conclusion, axis: AxisKind) -> FitAnswer {
-    let (nominal, best) = (&conclusion.nominal.windows, &conclusion.best.windows);
+    let nominal = &conclusion.nominal.windows;
+    // Where nothing is added the model is the same, whatever noise was found for it behind the search.
+    let best = if conclusion.effects.is_empty() { nominal } else { &conclusion.best.windows };
     let fitted = 0..problem.fitted;
     let held = problem.judged();
     // A floor above what the model leaves is none: the noise was estimated with it.

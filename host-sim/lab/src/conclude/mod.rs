@@ -27,7 +27,7 @@ use crate::progress::{Course, End, Place, Stages};
 use crate::propose::{self, Limits, Proposal};
 use crate::read::vocabulary::CONTROLLER;
 use crate::read::{Axis, AxisKind, Machine, Recording, misspelt, position_step};
-use crate::report::{Answer, Verdict};
+use crate::report::{Answer, Units, Verdict};
 
 /// Steps of the position this many times those of the machine file are not its steps.
 const COARSER: f64 = 1.5;
@@ -109,6 +109,7 @@ pub fn diagnose_on(request: &Request<'_>, course: &Course) -> Result<Diagnosis, 
         )));
     }
     let mut notes: Vec<String> = files.iter().flat_map(|file| file.notes()).collect();
+    notes.extend(unscaled(request.machine));
     let mut stages = Stages::begin();
     let controller = request.machine.controller.as_ref().and_then(|law| mismatch(law, &files, &mut notes));
     stages.done("controller");
@@ -147,6 +148,15 @@ pub fn diagnose_on(request: &Request<'_>, course: &Course) -> Result<Diagnosis, 
     let improved = conclusion.physics(&problem);
     let whitened = whitened::all(&problem, &conclusion);
     Ok(Diagnosis { answer, improved, nominal: problem.nominal, whitened, proposal, stages })
+}
+
+/// That nobody has said what the current or voltage of the logs makes.
+fn unscaled(machine: &Machine) -> Option<String> {
+    let unit = machine.columns.unscaled_effort()?;
+    let own = Units::of(machine.axis.kind).effort;
+    Some(format!(
+        "how many {own} one {unit} makes is not known (`scale` in [columns] is 1 or -1): every {own} of this answer is one {unit}"
+    ))
 }
 
 /// Passes over the recordings that a diagnosis usually is in all: the median of 49 tuning cases was 1900, half of them between 900 and 2800.

@@ -2,6 +2,7 @@
 
 use std::fmt::{Display, Formatter};
 
+use super::wrong_rate;
 use crate::read::{AxisKind, Column, places};
 use crate::report::Units;
 
@@ -43,6 +44,8 @@ pub enum Problem {
         length_s: f64,
         /// Needed.
         needed_s: f64,
+        /// Median of the rows.
+        period_s: f64,
     },
     /// So many gaps that too little is left between them.
     Gaps {
@@ -88,6 +91,13 @@ pub enum Problem {
         /// Partial correlation of the two, friction and gravity taken out; -1 to 1.
         correlation: f64,
     },
+    /// Single positions that stand apart from both neighbours.
+    WrongSamples {
+        /// How many.
+        count: usize,
+        /// The row of the first, counted from 0, and by how much it is off.
+        first: (usize, f64),
+    },
     /// Faster than any such machine.
     Speed {
         /// The highest, a few wrong rows set aside.
@@ -128,6 +138,7 @@ impl Finding {
     pub fn column(&self) -> Option<&'static str> {
         let column = match self.problem {
             Problem::NeverMoves { .. }
+            | Problem::WrongSamples { .. }
             | Problem::Speed { .. }
             | Problem::Acceleration { .. }
             | Problem::OtherStep { .. } => Column::Position,
@@ -161,8 +172,10 @@ impl Finding {
                                   be held out"
                     .to_owned()
             }
-            Problem::TooShort { length_s, needed_s } => {
-                format!("{length_s:.3} s is too short, at least {needed_s:.1} s is needed; record longer")
+            Problem::TooShort { length_s, needed_s, period_s } => {
+                let wrong = wrong_rate(period_s).map(|wrong| format!("{:.0} Hz is {wrong}", 1.0 / period_s));
+                let wrong = wrong.unwrap_or_else(|| "record longer".to_owned());
+                format!("{length_s:.3} s is too short, at least {needed_s:.1} s is needed; {wrong}")
             }
             Problem::Gaps { gaps, left_s, needed_s } => format!(
                 "rows are missing in {}, and after each what was commanded meanwhile still acts: {left_s:.3} s are left, \
@@ -189,6 +202,12 @@ impl Finding {
             Problem::SignFlipped { correlation } => format!(
                 "{effort_name} and acceleration have opposite signs (correlation {correlation:.2} once friction and gravity are \
                  out of it): the sign of this column or of the position is turned round"
+            ),
+            Problem::WrongSamples { count, first: (row, off) } => format!(
+                "single samples stand apart from both neighbours in {}, the first in row {} by {off:.2e} {position}: where the \
+                 torque may be a measurement they are taken for noise; leave those rows out, for rows that are missing do no harm",
+                places(count),
+                row + 1
             ),
             Problem::Speed { value, most } => {
                 format!(

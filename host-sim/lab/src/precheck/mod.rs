@@ -14,7 +14,7 @@ use std::path::Path;
 use diagnosis::recorded::ACTS_S;
 
 use crate::Error;
-use crate::read::{AxisKind, Column, Machine, Recording, position_step};
+use crate::read::{AxisKind, Column, Machine, Recording, position_step, wrong_samples};
 use inertia::{Estimate, Inertia, estimate};
 use windows::median_period_s;
 
@@ -46,11 +46,26 @@ fn is_too_slow(period_s: f64) -> bool {
     period_s > SLOWEST_SAMPLING_S * (1.0 + 1e-6)
 }
 
+/// Rows further apart than this are rather of another unit than of a slow log, s: ten times what is of use.
+const OTHER_UNIT_S: f64 = 0.5;
+/// Rows nearer together than this are of no drive's log, s: 100 kHz is the current loop of the fastest.
+const FASTEST_SAMPLING_S: f64 = 1e-5;
+
 /// What is wrong with rows that are a median of `period_s` apart, and what to do; none where they will do.
 pub(crate) fn wrong_rate(period_s: f64) -> Option<String> {
+    let unit = "is the time in another unit? --map \"time=NAME:ms\" or `[columns]` tells it";
+    if is_too_fast(period_s) {
+        return Some(format!("faster than any drive logs: {unit}"));
+    }
     let wrong = is_too_slow(period_s) || period_s <= 0.0;
     let least_hz = 1.0 / SLOWEST_SAMPLING_S;
-    wrong.then(|| format!("too slow for any window of a motion: log at {least_hz:.0} Hz or more"))
+    let or = if period_s > OTHER_UNIT_S { format!("; {unit}") } else { String::new() };
+    wrong.then(|| format!("too slow for any window of a motion: log at {least_hz:.0} Hz or more{or}"))
+}
+
+/// Whether rows are nearer together than those of any drive.
+fn is_too_fast(period_s: f64) -> bool {
+    0.0 < period_s && period_s < FASTEST_SAMPLING_S
 }
 
 /// Largest value of a column in its unit: doubles hold whole numbers up to 9e15, and beyond no motion can be told from rounding.
@@ -113,7 +128,7 @@ pub fn check(machine: &Machine, fitted: &[Recording], holdout: &[Recording], pur
             // Short recordings add up where they are fitted together.
             let enough = purpose == Purpose::Diagnose && (index >= fitted.len() || length_s >= needed_s);
             let severity = if enough { Severity::Warning } else { Severity::Error };
-            add(Problem::TooShort { length_s: own_s, needed_s }, severity);
+            add(Problem::TooShort { length_s: own_s, needed_s, period_s }, severity);
             continue;
         }
         let left_s = judged_s(recording);
@@ -195,7 +210,10 @@ fn units(machine: &Machine, recording: &Recording, period_s: f64, estimate: &Est
     let is_other_period = !(1.0 / OTHER_UNIT..OTHER_UNIT).contains(&(period_s / file_s));
     let is_far = |step: &f64| resolution > 0.0 && !(1.0 / FAR_OFF..=FAR_OFF).contains(&(step / resolution));
     let Estimate { speed, acceleration, .. } = *estimate;
+    let step = position_step(&recording.position).unwrap_or(0.0);
+    let wrong = wrong_samples(&recording.t_s, &recording.position, step);
     let problems = [
+        wrong.first().map(|first| Problem::WrongSamples { count: wrong.len(), first: *first }),
         is_other_period.then_some(Problem::OtherPeriod { period_s, file_s }),
         position_step(&recording.position)
             .filter(|step| is_far(step) && (*step > resolution || moves_by(*step, recording)))

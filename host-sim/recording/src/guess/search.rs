@@ -1,7 +1,9 @@
 //! A column looked for among those of a log.
 
 use super::names::fit;
-use super::{Guess, has, unit_of};
+use super::unit::unit_of;
+use super::{Guess, has};
+use crate::column_names::is_told_apart;
 use crate::joints::{Joints, member};
 use crate::nearest::quoted;
 use crate::units::{self, Quantity};
@@ -97,6 +99,13 @@ impl<'a> Search<'a> {
         };
         let alike = |other: &&Candidate<'_>| (other.beside, other.score) == (*beside, *score);
         let rivals: Vec<_> = fitting[1..].iter().filter(alike).map(|other| quoted(other.name)).collect();
+        if !rivals.is_empty() && is_told_apart(name) {
+            let (key, rivals) = (column.key(axis), rivals.join(" or "));
+            return Err(format!(
+                "which column is `{key}`? {} or {rivals}; give it as --map \"{key}={name}\"",
+                quoted(name)
+            ));
+        }
         if !rivals.is_empty() {
             because += &format!(", as well as {}", rivals.join(", "));
         }
@@ -135,7 +144,11 @@ fn broken_time(table: &Table) -> Option<String> {
     let (name, values) = table.numbers.iter().find(|(name, _)| is_time(name))?;
     let row = values.windows(2).position(|pair| pair[1] <= pair[0])?;
     let (from, to, name) = (values[row], values[row + 1], quoted(name));
-    let advice = "mend the log, or give another column as --map \"time=NAME:s\"";
+    let advice = if to < from {
+        "where the file holds several runs, split it there; else mend the log, or give another column as --map \"time=NAME:s\""
+    } else {
+        "mend the log, or give another column as --map \"time=NAME:s\""
+    };
     Some(format!("{name} does not rise from {from} to {to}, rows {} and {}; {advice}", row + 1, row + 2))
 }
 
@@ -146,8 +159,8 @@ fn not_numbers(table: &Table, column: Column, axis: AxisKind) -> Option<String> 
     let (key, unit, cell) = (column.key(axis), column.unit(axis), table.not_number(name)?);
     let dates = if column == Column::Time { dates(cell) } else { "" };
     Some(format!(
-        "{} holds cells that are no finite numbers, the first {cell}, and is `{key}` by its name{dates}; mend the log, or give \
-         another column as --map \"{key}=NAME:{unit}\"",
+        "{} holds cells that are no finite numbers, the first {cell}, and is `{key}` by its name{dates}; leave those rows \
+         out, for rows that are missing do no harm, or give another column as --map \"{key}=NAME:{unit}\"",
         quoted(name)
     ))
 }
@@ -165,11 +178,13 @@ pub(super) fn dates(cell: &str) -> &'static str {
 
 fn missing(table: &Table, column: Column, axis: AxisKind) -> String {
     let (key, unit) = (column.key(axis), column.unit(axis));
-    let (what, else_rows) = if column == Column::Time {
-        let rows = "; where no column is, and rows are evenly apart, say how far: --map \"time=[0]:ms*5\"";
-        ("no column always rises", rows)
-    } else {
-        ("no name tells", "")
+    let (what, or) = match column {
+        Column::Time => {
+            let rows = "; where no column is, and rows are evenly apart, say how far: --map \"time=[0]:ms*5\"";
+            ("no column always rises", rows)
+        }
+        Column::Position => ("no name tells", "; where only a speed was logged, add its integral to the log first"),
+        _ => ("no name tells", ""),
     };
-    format!("which column is `{key}`? {what}; {}; give it as --map \"{key}=NAME:{unit}\"{else_rows}", has(table))
+    format!("which column is `{key}`? {what}; {}; give it as --map \"{key}=NAME:{unit}\"{or}", has(table))
 }

@@ -149,6 +149,19 @@ fn rows_without_a_time_are_evenly_apart() {
 }
 
 #[test]
+fn a_name_that_is_there_twice_is_told_apart_by_its_column() {
+    let log = "ts,,enc,i,status,status\n1000000,7,10,1.5,0,1\n1001000,7,20,-2,0,1\n";
+    let recording = read("a.csv", log.as_bytes(), &machine(COLUMNS).unwrap()).unwrap();
+    close(&recording.effort_cmd, &[-0.75, 1.0]);
+    let twice = COLUMNS.replace("\"enc\"", "\"enc (column 3)\"");
+    let log = "ts,enc,enc,i\n1000000,9,10,1.5\n1001000,9,20,-2\n";
+    let recording = read("a.csv", log.as_bytes(), &machine(&twice).unwrap()).unwrap();
+    close(&recording.position, &[10f64.to_radians() / 10.0, 20f64.to_radians() / 10.0]);
+    let error = read("a.csv", log.as_bytes(), &machine(COLUMNS).unwrap()).unwrap_err();
+    assert!(error.contains("enc: column is missing") && error.contains("`enc (column 2)`"), "{error}");
+}
+
+#[test]
 fn comments_are_left_out_and_the_last_may_name_the_columns() {
     let machine = machine(COLUMNS).unwrap();
     let log = "# Bench 3, 24 V\n#ts\tenc\ti\n1000000\t10\t1.5\n# here it was pushed\n1001000\t20\t-2\n";

@@ -11,7 +11,9 @@ use crate::cli::velocity_check::{WrongVelocity, wrong_velocity};
 use crate::first_model::{FirstModel, first_model};
 use crate::precheck::windows::median_period_s;
 use crate::precheck::{Purpose, wrong_rate};
-use crate::read::{Axis, Column, Given, Machine, Mapping, Recording, Table, guess, places, position_step, wrap};
+use crate::read::{
+    Axis, Column, Given, Machine, Mapping, Recording, Table, guess, places, position_step, wrap, wrong_samples,
+};
 use crate::report::Units;
 
 /// Steps of time further from the median than this share of it make windows uneven; the model follows them all the same.
@@ -40,6 +42,7 @@ pub(super) fn checks(file: &Path, machine: Option<&Machine>, given: Given<'_>) -
     let mut checks = vec![rate(&recording, period_s), jitter(&recording, period_s), gaps(&recording)];
     checks.extend(recording.mended.iter().map(|mended| Check::new(State::Note, "rows", mended.clone())));
     checks.push(steps(&recording, resolution));
+    checks.extend(apart(&recording, resolution));
     checks.extend(wrapped);
     checks.extend(wrong_velocity(&recording).map(velocity));
     checks.push(saturation(&recording, &units));
@@ -160,6 +163,20 @@ fn steps(recording: &Recording, resolution: f64) -> Check {
         return Check::new(State::Bad, "position", format!("{found}: too few; move further"));
     }
     Check::new(State::Good, "position", found)
+}
+
+/// Samples that no motion has.
+fn apart(recording: &Recording, resolution: f64) -> Option<Check> {
+    let wrong = wrong_samples(&recording.t_s, &recording.position, resolution);
+    let (row, off) = wrong.first()?;
+    let found = format!(
+        "stand apart from both neighbours in {}, the first in row {} by {off:.2e} {}: leave those rows out, for rows that are \
+         missing do no harm",
+        places(wrong.len()),
+        row + 1,
+        Units::of(recording.axis).position
+    );
+    Some(Check::new(State::Bad, "samples", found))
 }
 
 fn saturation(recording: &Recording, effort: &EffortUnits) -> Check {

@@ -54,9 +54,10 @@ pub(super) fn machine_file(findings: &Findings<'_>) -> String {
             let _ = writeln!(text, "{} # {unsure}{because}", guess.mapped.to_toml(findings.axis.kind));
         }
     }
-    if let Some((amplitude, phase_rad)) = findings.model.as_ref().and_then(|model| model.gravity) {
+    let weight = findings.model.as_ref().and_then(|model| Some((model, model.gravity?)));
+    if let Some((model, (amplitude, phase_rad))) = weight {
         text += "\n# Weight on an arm: amplitude sin(position + phase) is what holds it.\n[[effects]]\nid = \"gravity_load\"\n";
-        let (value, comment) = (digits(amplitude.value), interval(amplitude, &effort_units(findings).effort));
+        let (value, comment) = (digits(amplitude.value), interval(model, amplitude, &effort_units(findings).effort));
         let _ = write!(text, "amplitude_nm = {value} # {comment}\nphase_rad = {}\n", digits(phase_rad));
     }
     text
@@ -85,9 +86,10 @@ fn axis(findings: &Findings<'_>) -> [Line; 2] {
     ]
 }
 
-fn interval(value: Value, unit: &str) -> String {
-    let unsure = if value.is_known() { "" } else { "UNSURE: " };
-    format!("{unsure}{unit}, +- {} (95 %)", width(value.within))
+fn interval(model: &FirstModel, value: Value, unit: &str) -> String {
+    let if_right = if model.is_trusted() { "" } else { " if the rest were right" };
+    let unsure = if value.is_known() && model.is_trusted() { "" } else { "UNSURE: " };
+    format!("{unsure}{unit}, +- {} (95 %){if_right}", width(value.within))
 }
 
 fn effort_units(findings: &Findings<'_>) -> EffortUnits {
@@ -102,13 +104,14 @@ fn plant(findings: &Findings<'_>) -> Vec<Line> {
     };
     let line = |key, value: Value, unit: &str| {
         if value.kept {
-            return Line { key, value: digits(value.value), comment: interval(value, unit) };
+            return Line { key, value: digits(value.value), comment: interval(model, value, unit) };
         }
         // Friction that drives is none.
         let negative = value.value + value.within <= 0.0 && key != "torque_offset";
         let fitted = format!("fitted {} +- {}", digits(value.value), width(value.within));
         let comment = match value.within.is_finite() {
             _ if negative => format!("{unit}; {fitted}, which none is"),
+            _ if value.is_known() => format!("UNSURE: {unit}; {fitted}, which is more than ever acts: left out"),
             true => format!("UNSURE: {unit}; {fitted}, so the logs do not tell it: left out"),
             false => format!("UNSURE: {unit}; the logs do not tell it: left out"),
         };
@@ -131,12 +134,8 @@ fn plant(findings: &Findings<'_>) -> Vec<Line> {
 
 fn inertia_line(model: &FirstModel, unit: &str) -> Line {
     let value = model.inertia;
-    if value.value > 0.0 && !model.is_trusted() {
-        let comment = format!("UNSURE: {unit}, +- {} (95 %) if the rest were right", width(value.within));
-        return Line { key: "inertia", value: digits(value.value), comment };
-    }
     if value.value > 0.0 {
-        return Line { key: "inertia", value: digits(value.value), comment: interval(value, unit) };
+        return Line { key: "inertia", value: digits(value.value), comment: interval(model, value, unit) };
     }
     // An inertia must be above 0; the largest that fits is one.
     let most = (value.value + value.within).abs().max(value.within * 0.5).max(f64::MIN_POSITIVE);
@@ -209,8 +208,12 @@ fn how_good(model: Option<&FirstModel>, kind: AxisKind, unit: &str) -> String {
     };
     let mut text = String::new();
     if let Some((amplitude, phase_rad)) = model.gravity {
-        let value =
-            format!("{} {}, phase {} rad", digits(amplitude.value), interval(amplitude, unit), digits(phase_rad));
+        let value = format!(
+            "{} {}, phase {} rad",
+            digits(amplitude.value),
+            interval(model, amplitude, unit),
+            digits(phase_rad)
+        );
         let _ = writeln!(text, "        {:16} {value}", "gravity");
     }
     let (percent, effort) = (100.0 * model.explained, Units::of(kind).effort_name);
