@@ -169,11 +169,12 @@ fn explains_as_well(problem: &Problem, again: &Conclusion, found: &Conclusion) -
     }
 }
 
-/// Whether the same effects are likelier with the other reading.
+/// Whether the same effects are likelier with the other reading, by more than one value more would have to bring: half a row less of a skew
+/// that was found brings nothing.
 fn is_likelier(other: &Problem, found: &Conclusion) -> bool {
     let own = &found.best.assessed.refitted;
     let refitted = refit(other, &own.hypothesis, &own.noise, STEPS_OF_THE_OTHER);
-    refitted.is_some_and(|refitted| refitted.log_likelihood > own.log_likelihood)
+    refitted.is_some_and(|refitted| refitted.log_likelihood > own.log_likelihood + other.price())
 }
 
 /// Whether the skew or the delay that was found is, in every recording, nearer to the other reading's half row than to none.
