@@ -144,11 +144,11 @@ fn moves_less(own: &Physics, other: &Physics) -> bool {
 
 /// The problem with the rows of the torque column read the other way, as samples or as values held to the next row, and what is found so;
 /// none where that is not asked for or less likely. Half a row between the readings is a skew of the channels, and which reading is right was
-/// decided on the nominal machine, which may lack too much to tell: so the other one is tried where what was found is likelier with it, or has a
-/// skew or a delay that is nearer to its half row than to none.
+/// decided on the nominal machine, which may lack too much to tell: so the other one is tried where what was found is likelier with it (and no
+/// command between two rows is lost, of which neither is right), or has a skew or a delay that is nearer to its half row than to none.
 fn read_again(problem: &Problem, found: &Conclusion, vocabulary: &[&'static Effect]) -> Option<(Problem, Conclusion)> {
     let other = problem.read_otherwise()?;
-    if !is_likelier(&other, found) && !is_nearer(&other, problem, found) {
+    if (problem.loses_commands || !is_likelier(&other, found)) && !is_nearer(&other, problem, found) {
         return None;
     }
     let other = other.allowing(WORK.saturating_sub(problem.work()));

@@ -30,6 +30,8 @@ pub struct Problem {
     /// How much earlier than a command held to the next row the torque column acts in each recording, s: a sample of a measurement or
     /// of a faster loop stands for half a row to either side.
     pub(crate) early_s: Arc<[f64]>,
+    /// Whether a loop gave commands between the rows, by its tick.
+    pub(crate) loses_commands: bool,
     /// Row ranges of the blocks of each recording.
     pub blocks: Arc<[Vec<Range<usize>>]>,
     /// What the motion excites.
@@ -83,6 +85,7 @@ impl Problem {
             grids: grids.into(),
             lately,
             early_s: early_s.into(),
+            loses_commands: false,
             blocks,
             excitation,
             least_sensor_sd,
@@ -153,9 +156,10 @@ impl Problem {
     /// those around it, and not for those up to the next row: it acts half the difference earlier. Where the torque column may be a
     /// measurement that is decided already.
     pub fn sampled(mut self, tick_s: f64) -> Self {
+        let is_slower = |grid: &Grid| tick_s > 0.0 && grid.period_s >= SLOWER * tick_s;
+        self.loses_commands = self.grids.iter().any(is_slower);
         if self.motions.is_empty() && tick_s > 0.0 {
-            let early =
-                |grid: &Grid| if grid.period_s >= SLOWER * tick_s { 0.5 * (grid.period_s - tick_s) } else { 0.0 };
+            let early = |grid: &Grid| if is_slower(grid) { 0.5 * (grid.period_s - tick_s) } else { 0.0 };
             self.early_s = self.grids.iter().map(early).collect();
         }
         self
