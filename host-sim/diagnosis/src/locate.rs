@@ -109,7 +109,7 @@ fn band(problem: &Problem, rows: &[Vec<f64>], inside: &dyn Fn(usize, usize) -> b
     let mut blocks: Vec<(f64, f64)> = Vec::new();
     for (recording, values) in rows.iter().enumerate() {
         for block in &problem.blocks[recording] {
-            let all: f64 = values[block.clone()].iter().map(|value| value.max(0.0)).sum();
+            let all: f64 = values[block.clone()].iter().map(|gain| positive(*gain)).sum();
             blocks.push((block.clone().filter(|&row| inside(recording, row)).map(|row| values[row]).sum(), all));
         }
     }
@@ -121,6 +121,11 @@ fn band(problem: &Problem, rows: &[Vec<f64>], inside: &dyn Fn(usize, usize) -> b
     let sd = ((n - 1.0) / n * left.iter().map(|value| (value - mean).powi(2)).sum::<f64>()).sqrt();
     let end = |value: f64| if value.is_finite() { value.clamp(0.0, 1.0) } else { share.clamp(0.0, 1.0) };
     (end(share - TWO_SIDED_95 * sd), end(share + TWO_SIDED_95 * sd))
+}
+
+/// What a row tells for the best, 0 where it tells against it; no number stays none, which is no place either.
+fn positive(gain: f64) -> f64 {
+    if gain < 0.0 { 0.0 } else { gain }
 }
 
 /// One region a channel, by how much denser the difference is there than elsewhere.
@@ -155,7 +160,7 @@ fn region(
     let edge = |bin: usize| bin * all.len() / BINS;
     let bins: Vec<f64> =
         (0..BINS).map(|bin| all[edge(bin)..edge(bin + 1)].iter().map(|(_, gain)| gain).sum()).collect();
-    let total: f64 = all.iter().map(|(_, gain)| gain.max(0.0)).sum();
+    let total: f64 = all.iter().map(|(_, gain)| positive(*gain)).sum();
     if total.is_nan() || total <= 0.0 {
         return None;
     }

@@ -148,7 +148,8 @@ fn moves_less(own: &Physics, other: &Physics) -> bool {
 /// command between two rows is lost, of which neither is right), or has a skew or a delay that is nearer to its half row than to none.
 fn read_again(problem: &Problem, found: &Conclusion, vocabulary: &[&'static Effect]) -> Option<(Problem, Conclusion)> {
     let other = problem.read_otherwise()?;
-    if (problem.loses_commands || !is_likelier(&other, found)) && !is_nearer(&other, problem, found) {
+    let is_asked = is_nearer(&other, problem, found) || (!problem.loses_commands && is_likelier(&other, found));
+    if !is_asked {
         return None;
     }
     let other = other.allowing(WORK.saturating_sub(problem.work()));

@@ -154,7 +154,7 @@ impl Problem {
 
     /// The same for commands that a loop gave every `tick_s` seconds. Of rows further apart each has one of several, which stands for
     /// those around it, and not for those up to the next row: it acts half the difference earlier. Where the torque column may be a
-    /// measurement that is decided already.
+    /// measurement that is decided already, and only that commands are lost is kept.
     pub fn sampled(mut self, tick_s: f64) -> Self {
         let is_slower = |grid: &Grid| tick_s > 0.0 && grid.period_s >= SLOWER * tick_s;
         self.loses_commands = self.grids.iter().any(is_slower);

@@ -18,7 +18,7 @@ const LOST: f64 = 0.5;
 /// Excess over the usual step, as a multiple of the spread, that jitter does not reach.
 const JITTER: f64 = 5.0;
 /// Standard deviation of a normal distribution over its median absolute deviation.
-const SIGMA_PER_MAD: f64 = 1.4826;
+pub(crate) const SIGMA_PER_MAD: f64 = 1.4826;
 
 /// Indices `i` where rows are missing between rows `i` and `i + 1`.
 pub(crate) fn find(t_s: &[f64], seq: Option<&[u64]>) -> Vec<usize> {
@@ -52,7 +52,7 @@ fn is_long_step(t_s: &[f64], i: usize, window: &mut Vec<f64>) -> bool {
 }
 
 /// The lower median; `values` must not be empty.
-fn median(values: &mut [f64]) -> f64 {
+pub(crate) fn median(values: &mut [f64]) -> f64 {
     let middle = (values.len() - 1) / 2;
     *values.select_nth_unstable_by(middle, f64::total_cmp).1
 }

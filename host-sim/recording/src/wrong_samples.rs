@@ -1,12 +1,12 @@
 //! Single positions that stand apart: a bit lost on the way, a wrong conversion.
 
+use super::gaps::{SIGMA_PER_MAD, median};
+
 /// A position that is off by more than this many times what its neighbours leave of others in the median is no noise, ...
 const OFF: f64 = 10.0;
 /// ... where no step of time beside it is longer than the shortest by this share, and no motion within that share of a step is as much: a
 /// stamp that is late moves the position of a moving axis too.
 const EVEN: f64 = 0.2;
-/// Standard deviation of a normal distribution over its median absolute deviation.
-const SIGMA_PER_MAD: f64 = 1.4826;
 
 /// Rows, counted from 0, whose position is off by itself, and by how much; `step` is the sensor's, times rise.
 ///
@@ -15,9 +15,10 @@ const SIGMA_PER_MAD: f64 = 1.4826;
 pub fn wrong_samples(t_s: &[f64], position: &[f64], step: f64) -> Vec<(usize, f64)> {
     let left: Vec<f64> = position.windows(3).map(|three| three[1] - 0.5 * (three[0] + three[2])).collect();
     let mut sizes: Vec<f64> = left.iter().map(|left| left.abs()).collect();
-    sizes.sort_by(f64::total_cmp);
-    let Some(median) = sizes.get(sizes.len() / 2) else { return Vec::new() };
-    let least = OFF * step.max(SIGMA_PER_MAD * median);
+    if sizes.is_empty() {
+        return Vec::new();
+    }
+    let least = OFF * step.max(SIGMA_PER_MAD * median(&mut sizes));
     let of_one = |three: &[f64], moved: &[f64]| {
         let half = |beside: f64| (beside + 0.5 * three[1]).abs() <= 0.25 * three[1].abs();
         let by_a_stamp = 0.5 * EVEN * (moved[3] - moved[1]).abs();

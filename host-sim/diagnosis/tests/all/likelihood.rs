@@ -14,7 +14,7 @@ use diagnosis::search::{first_noise, nominal};
 use diagnosis::verdict::Verdict;
 use diagnosis::windows::WindowFit;
 use plant::effects::{Asymmetry, Gravity, Harmonic, Shaft, Vibration};
-use plant::sensor::{Sampler, SamplerConfig, TorqueNoise};
+use plant::sensor::{Sampler, SamplerConfig};
 use plant::{Command, Model, Plant, State};
 
 const SECONDS: f64 = 4.0;
@@ -330,14 +330,14 @@ fn followed(actual: &Model, rows: usize) -> Recorded {
     let mut plant = Plant::new(actual, State::default(), 0.0).unwrap();
     let at_s: Vec<f64> = (0..rows).map(|row| row as f64 * 1e-3).collect();
     let sampler = SamplerConfig { resolution: ENCODER_RAD, noise_sd: 0.1 * ENCODER_RAD, ..SamplerConfig::default() };
-    let (mut sampler, mut noise) = (Sampler::new(sampler, 1).unwrap(), TorqueNoise::new(0.0, 1).unwrap());
+    let mut sampler = Sampler::new(sampler, 1).unwrap();
     let (mut position, mut commands) = (Vec::new(), Vec::new());
     for t_s in &at_s {
         let State { position: is, velocity, .. } = *plant.state();
         let command = Command::new(15.0 * (reference(*t_s) - is) - 0.6 * velocity, 0.0);
         position.push(sampler.measure(is));
         commands.push(command);
-        plant.advance(&Command { external_torque: noise.draw(), ..command }, t_s + 1e-3).unwrap();
+        plant.advance(&command, t_s + 1e-3).unwrap();
     }
     Recorded {
         name: "1".to_owned(),

@@ -54,18 +54,13 @@ const FASTEST_SAMPLING_S: f64 = 1e-5;
 /// What is wrong with rows that are a median of `period_s` apart, and what to do; none where they will do.
 pub(crate) fn wrong_rate(period_s: f64) -> Option<String> {
     let unit = "is the time in another unit? --map \"time=NAME:ms\" or `[columns]` tells it";
-    if is_too_fast(period_s) {
+    if 0.0 < period_s && period_s < FASTEST_SAMPLING_S {
         return Some(format!("faster than any drive logs: {unit}"));
     }
     let wrong = is_too_slow(period_s) || period_s <= 0.0;
     let least_hz = 1.0 / SLOWEST_SAMPLING_S;
     let or = if period_s > OTHER_UNIT_S { format!("; {unit}") } else { String::new() };
     wrong.then(|| format!("too slow for any window of a motion: log at {least_hz:.0} Hz or more{or}"))
-}
-
-/// Whether rows are nearer together than those of any drive.
-fn is_too_fast(period_s: f64) -> bool {
-    0.0 < period_s && period_s < FASTEST_SAMPLING_S
 }
 
 /// Largest value of a column in its unit: doubles hold whole numbers up to 9e15, and beyond no motion can be told from rounding.
@@ -210,13 +205,12 @@ fn units(machine: &Machine, recording: &Recording, period_s: f64, estimate: &Est
     let is_other_period = !(1.0 / OTHER_UNIT..OTHER_UNIT).contains(&(period_s / file_s));
     let is_far = |step: &f64| resolution > 0.0 && !(1.0 / FAR_OFF..=FAR_OFF).contains(&(step / resolution));
     let Estimate { speed, acceleration, .. } = *estimate;
-    let step = position_step(&recording.position).unwrap_or(0.0);
-    let wrong = wrong_samples(&recording.t_s, &recording.position, step);
+    let step = position_step(&recording.position);
+    let wrong = wrong_samples(&recording.t_s, &recording.position, step.unwrap_or(0.0));
     let problems = [
         wrong.first().map(|first| Problem::WrongSamples { count: wrong.len(), first: *first }),
         is_other_period.then_some(Problem::OtherPeriod { period_s, file_s }),
-        position_step(&recording.position)
-            .filter(|step| is_far(step) && (*step > resolution || moves_by(*step, recording)))
+        step.filter(|step| is_far(step) && (*step > resolution || moves_by(*step, recording)))
             .map(|step| Problem::OtherStep { step, resolution }),
         (speed > limits.speed).then_some(Problem::Speed { value: speed, most: limits.speed }),
         (acceleration > limits.acceleration)

@@ -144,12 +144,9 @@ fn broken_time(table: &Table) -> Option<String> {
     let (name, values) = table.numbers.iter().find(|(name, _)| is_time(name))?;
     let row = values.windows(2).position(|pair| pair[1] <= pair[0])?;
     let (from, to, name) = (values[row], values[row + 1], quoted(name));
-    let advice = if to < from {
-        "where the file holds several runs, split it there; else mend the log, or give another column as --map \"time=NAME:s\""
-    } else {
-        "mend the log, or give another column as --map \"time=NAME:s\""
-    };
-    Some(format!("{name} does not rise from {from} to {to}, rows {} and {}; {advice}", row + 1, row + 2))
+    let runs = if to < from { "where the file holds several runs, split it there; else " } else { "" };
+    let advice = "mend the log, or give another column as --map \"time=NAME:s\"";
+    Some(format!("{name} does not rise from {from} to {to}, rows {} and {}; {runs}{advice}", row + 1, row + 2))
 }
 
 /// What is wrong with the column that is the wanted one by its name, but does not hold numbers alone.

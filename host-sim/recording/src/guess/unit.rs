@@ -20,24 +20,13 @@ pub(super) fn unit_of(
     (name, values): (&str, &[f64]),
 ) -> (String, String, bool) {
     let told = table.unit(name).filter(|unit| is_of(column, axis, unit));
-    let step = || (values[values.len() - 1] - values[0]) / (values.len() - 1) as f64;
-    if let Some(unit) = told {
-        let because = if units::told(name).is_some() { "by its name" } else { "by the row below the header" };
-        let factor = units::measure(&unit).map_or(1.0, |measure| measure.factor);
-        if column == Column::Time && values.len() > 1 && !PERIODS_S.contains(&(step() * factor)) {
-            return (unit, format!("{because}, but rows are then {:e} s apart", step() * factor), true);
-        }
-        return (unit, because.to_owned(), false);
-    }
-    let own = column.unit(axis);
+    let told_by = if units::told(name).is_some() { "by its name" } else { "by the row below the header" };
     if column == Column::Time && values.len() > 1 {
-        let step = step();
-        let found = [("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9)];
-        let unit = found.into_iter().find(|(_, factor)| PERIODS_S.contains(&(step * factor)));
-        let Some((unit, _)) = unit else {
-            return (own.to_owned(), format!("not told, and rows {step} apart fit none"), true);
-        };
-        return (unit.to_owned(), format!("rows are {step:.6} apart"), unit != "s");
+        let step = (values[values.len() - 1] - values[0]) / (values.len() - 1) as f64;
+        return time_unit(told, told_by, step);
+    }
+    if let Some(unit) = told {
+        return (unit, told_by.to_owned(), false);
     }
     let words = words(telling(name));
     if matches!(column, Column::EffortCmd | Column::EffortMeas) {
@@ -49,21 +38,42 @@ pub(super) fn unit_of(
             return ("V".to_owned(), "a voltage by its name".to_owned(), true);
         }
     }
+    (column.unit(axis).to_owned(), not_told(column, axis, name), column != Column::Time)
+}
+
+/// The unit of times that rise by `step` from row to row.
+fn time_unit(told: Option<String>, told_by: &str, step: f64) -> (String, String, bool) {
+    if let Some(unit) = told {
+        let step_s = step * units::measure(&unit).map_or(1.0, |measure| measure.factor);
+        if PERIODS_S.contains(&step_s) {
+            return (unit, told_by.to_owned(), false);
+        }
+        return (unit, format!("{told_by}, but rows are then {step_s:e} s apart"), true);
+    }
+    let found = [("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9)];
+    match found.into_iter().find(|(_, factor)| PERIODS_S.contains(&(step * factor))) {
+        Some((unit, _)) => (unit.to_owned(), format!("rows are {step:.6} apart"), unit != "s"),
+        None => ("s".to_owned(), format!("not told, and rows {step} apart fit none"), true),
+    }
+}
+
+/// That nothing tells the unit, and how to give it where the name tells that it is none of the format.
+fn not_told(column: Column, axis: AxisKind, name: &str) -> String {
+    let own = column.unit(axis);
     let ask = |what: &str, unit: &str| {
         let key = column.key(axis);
         format!("{what} by its name, how large is NOT KNOWN and taken as 1 {own}: give --map \"{key}={name}:{unit}\"")
     };
-    let because = match column {
+    match column {
         Column::Position | Column::Reference if holds(name, COUNTS) => {
-            let around = if axis == AxisKind::Rotary { "revolution" } else { "metre" };
-            ask("a count", &format!("counts(NUMBER IN A {})", around.to_uppercase()))
+            let around = if axis == AxisKind::Rotary { "REVOLUTION" } else { "METRE" };
+            ask("a count", &format!("counts(NUMBER IN A {around})"))
         }
         Column::EffortCmd | Column::EffortMeas if name.contains('%') || holds(name, SHARES) => {
             ask("a share of something rated", &format!("{own}*ONE OF IT"))
         }
         _ => format!("NOT TOLD, taken as {own}"),
-    };
-    (own.to_owned(), because, column != Column::Time)
+    }
 }
 
 /// What encoders' counts are called.
