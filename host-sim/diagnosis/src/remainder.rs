@@ -23,7 +23,8 @@ pub struct Remainder {
 /// What is left is told as the mean torque over this time, s: longer than the sensor's noise, shorter than motion.
 const REMAINDER_S: f64 = 0.02;
 
-/// The torque that the samples say is missing, root mean square of its means, N m (N).
+/// The torque that the noise stands in for, root mean square of its means, N m (N): what the samples say is missing, but no more than the
+/// noise has of it. Where a recording begins, samples tell a speed that was not known, and no torque.
 fn torque_rms(problem: &Problem, refitted: &Refitted) -> f64 {
     let (mut squares, mut count) = (0.0, 0_usize);
     for (recorded, innovations) in problem.recordings.iter().zip(&refitted.evaluation.innovations) {
@@ -34,7 +35,12 @@ fn torque_rms(problem: &Problem, refitted: &Refitted) -> f64 {
             count += 1;
         }
     }
-    (squares / count.max(1) as f64).sqrt()
+    (squares / count.max(1) as f64).min(slow_density(refitted) / REMAINDER_S).sqrt()
+}
+
+/// Spectral density of the torque noise at low frequencies, mean of the recordings, (N m)^2 s.
+fn slow_density(refitted: &Refitted) -> f64 {
+    refitted.noise.iter().map(Noise::slow_density).sum::<f64>() / refitted.noise.len().max(1) as f64
 }
 
 /// Smallest relevant torque over the drive's where nothing is named: the smallest size of what is named, a fiftieth, of the typical
@@ -45,8 +51,7 @@ const SMALLEST_TORQUE: f64 = SMALLEST_SIZE * 0.05;
 /// torque that the noise leaves there.
 fn share_of_windows(problem: &Problem, refitted: &Refitted, torque_rms: f64) -> f64 {
     let horizon_s = window_s(problem, 1);
-    let density: f64 = refitted.noise.iter().map(Noise::slow_density).sum::<f64>() / refitted.noise.len().max(1) as f64;
-    let noise = (density / horizon_s.max(f64::MIN_POSITIVE)).max(f64::MIN_POSITIVE);
+    let noise = (slow_density(refitted) / horizon_s.max(f64::MIN_POSITIVE)).max(f64::MIN_POSITIVE);
     1.0 - (1.0 + torque_rms * torque_rms / noise).sqrt().recip()
 }
 
