@@ -14,13 +14,19 @@ pub(crate) fn likeness(word: &str, candidate: &str) -> f64 {
     strsim::normalized_damerau_levenshtein(&word, candidate)
 }
 
-/// A piece of the user's input as a message quotes it: one line, at most 40 characters.
+/// A piece of the user's input as a message quotes it: one line, at most 40 characters, those that can be typed as they are.
 pub(crate) fn quoted(text: &str) -> String {
-    let mut short: String = text.chars().take(40).collect();
-    if short.len() < text.len() {
+    let mut short = String::from("`");
+    for letter in text.chars().take(40) {
+        match letter {
+            '\\' | '"' | '\'' => short.push(letter),
+            other => short.extend(other.escape_debug()),
+        }
+    }
+    if text.chars().nth(40).is_some() {
         short.push('…');
     }
-    format!("`{}`", short.escape_debug())
+    short + "`"
 }
 
 #[cfg(test)]
@@ -34,5 +40,13 @@ mod tests {
         assert_eq!(misspelt("torque_nm", known), Some("torque_cmd_nm"));
         assert_eq!(misspelt("humidity", known), None);
         assert_eq!(misspelt("inertai", ["inertia", "coulomb"]), Some("inertia"));
+    }
+
+    #[test]
+    fn what_is_quoted_can_be_typed_and_is_one_line() {
+        for (text, said) in [(r"$\theta$", r"`$\theta$`"), ("a\nb", r"`a\nb`"), ("it's \"q\"", "`it's \"q\"`")] {
+            assert_eq!(quoted(text), said);
+        }
+        assert_eq!(quoted(&"x".repeat(41)), format!("`{}…`", "x".repeat(40)));
     }
 }

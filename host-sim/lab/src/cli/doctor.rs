@@ -2,6 +2,7 @@
 
 mod log;
 mod machine;
+mod motion;
 mod shows;
 mod skew;
 

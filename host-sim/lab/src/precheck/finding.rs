@@ -31,7 +31,7 @@ pub struct Finding {
 /// What is wrong; lengths in rad (m), efforts in N m (N), times in s.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Problem {
-    /// The position stays within two steps of the sensor.
+    /// The position stays within the steps and the noise of the sensor.
     NeverMoves {
         /// How far it goes.
         travel: f64,
@@ -165,7 +165,10 @@ impl Finding {
             if rotary { "the position in degrees, or the time in another unit" } else { "the position in mm" };
         match self.problem {
             Problem::NeverMoves { travel } => {
-                format!("the axis never moves ({travel:.1e} {position} from end to end); record a motion")
+                format!(
+                    "the axis never moves ({travel:.1e} {position} from end to end), beyond the steps and the noise of its sensor; \
+                     record a motion"
+                )
             }
             Problem::SameRows => {
                 "its rows are those of another recording that is given; give each once: what was fitted cannot \

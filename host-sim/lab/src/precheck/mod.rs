@@ -15,6 +15,7 @@ use diagnosis::recorded::ACTS_S;
 
 use crate::Error;
 use crate::read::{AxisKind, Column, Machine, Recording, position_step, wrong_samples};
+use crate::residual::spread_at_rest;
 use inertia::{Estimate, Inertia, estimate};
 use windows::median_period_s;
 
@@ -297,8 +298,8 @@ fn travel(recording: &Recording) -> f64 {
     high - low
 }
 
-/// A travel that is none, rad (m): two steps of the sensor, or rounding where it has none.
+/// A travel that is none, rad (m): steps and noise of the sensor, or rounding where it has neither.
 fn still_within(machine: &Machine, recording: &Recording) -> f64 {
     let (low, high) = range(&recording.position);
-    (2.0 * machine.axis.resolution).max(1e-12 * low.abs().max(high.abs()))
+    spread_at_rest(recording, &machine.axis, recording.rows()).max(1e-12 * low.abs().max(high.abs()))
 }

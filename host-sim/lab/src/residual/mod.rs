@@ -14,6 +14,6 @@ mod unknowns;
 mod window;
 
 pub use map::{Bin, Channel, Map};
-pub use noise::sensor_noise;
+pub use noise::{sensor_noise, spread_at_rest};
 pub use orders::{Order, Orders};
 pub use window::{Residual, Window, residual};

@@ -27,6 +27,13 @@ pub fn sensor_noise(recording: &Recording, axis: &Axis) -> f64 {
     (mean_square / TRUSTED_MEAN_SQUARE / 20.0).sqrt().max(rounding)
 }
 
+/// How far so many samples of an axis that stands spread, rad (m): as its noise does, or two steps of the sensor. The expected maximum of n
+/// normal ones is at most sqrt(2 ln n) standard deviations.
+pub fn spread_at_rest(recording: &Recording, axis: &Axis, samples: usize) -> f64 {
+    let farthest = (2.0 * (samples.max(1) as f64).ln()).sqrt();
+    (2.0 * farthest * sensor_noise(recording, axis)).max(2.0 * axis.resolution)
+}
+
 /// Whether four samples from `row` are evenly spaced to 5 %: else their third difference shows the spacing.
 fn is_even(recording: &Recording, row: usize) -> bool {
     let t_s = &recording.t_s[row..row + 4];

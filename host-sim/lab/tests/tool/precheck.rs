@@ -8,6 +8,9 @@ use er_servo::Config;
 use er_servo::experiment::{Experiment, Shape};
 use lab::precheck::{Finding, Problem, Purpose, Severity, check, warnings};
 use lab::read::{Machine, Recording};
+use rand::SeedableRng;
+use rand::rngs::StdRng;
+use rand_distr::{Distribution, Normal};
 
 const MACHINE: &str = "schema = 1\nname = \"m\"\n[axis]\nkind = \"rotary\"\nsample_period_s = 5e-4\n\
                        resolution = 1.2783173e-5\n[plant]\ninertia = 0.075\ncoulomb = 0.763\ntorque_limit = 30\n\
@@ -170,6 +173,16 @@ fn each_fault_of_a_recording_is_named() {
         &|r| r.position.fill(1.0),
         Severity::Error,
         "run.csv: position_rad: the axis never moves (0.0e0 rad from end to end)",
+    );
+    // Noise alone, over which torques that something holds explain it as well as any.
+    let noise = |r: &mut Recording| {
+        let (mut draw, normal) = (StdRng::seed_from_u64(1), Normal::new(0.3, 1e-4).unwrap());
+        r.position.fill_with(|| normal.sample(&mut draw));
+    };
+    said(
+        &noise,
+        Severity::Error,
+        "rad from end to end), beyond the steps and the noise of its sensor; record a motion",
     );
     said(&|r| r.effort_cmd.fill(0.0), Severity::Warning, "torque_cmd_nm: the torque is 0 N m in every row");
     said(&|r| r.position[7] = -1e300, Severity::Error, "position_rad: -1.0e300 is a value of no machine");

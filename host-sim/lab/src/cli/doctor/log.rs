@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use super::motion::motion;
 use super::shows::shows;
 use super::skew::{shifted, skew};
 use super::{Check, State};
@@ -42,6 +43,7 @@ pub(super) fn checks(file: &Path, machine: Option<&Machine>, given: Given<'_>) -
     let mut checks = vec![rate(&recording, period_s), jitter(&recording, period_s), gaps(&recording)];
     checks.extend(recording.mended.iter().map(|mended| Check::new(State::Note, "rows", mended.clone())));
     checks.push(steps(&recording, resolution));
+    checks.push(motion(&recording, &axis, period_s));
     checks.extend(apart(&recording, resolution));
     checks.extend(wrapped);
     checks.extend(wrong_velocity(&recording).map(velocity));
