@@ -21,6 +21,8 @@ class Interval:
     low: float
     high: float
     unit: str
+    nominal: float | None = None
+    """What the nominal model has in its place; ``None`` where that is nothing."""
 
 
 @dataclass(frozen=True)

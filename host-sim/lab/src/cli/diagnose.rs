@@ -162,7 +162,14 @@ mod tests {
     }
 
     fn answer(verdict: Verdict) -> Answer {
-        let value = Interval { id: "amplitude_nm".into(), value: 18.0, low: 17.0, high: 19.0, unit: "N m".into() };
+        let value = Interval {
+            id: "amplitude_nm".into(),
+            value: 18.0,
+            low: 17.0,
+            high: 19.0,
+            unit: "N m".into(),
+            nominal: None,
+        };
         let effect = EffectAnswer {
             id: "gravity_load".into(),
             text: String::new(),

@@ -94,6 +94,8 @@ fn explained(before: f64, after: f64, floor: f64) -> f64 {
 
 fn effect(problem: &Problem, named: &Named, fit: &FitAnswer, axis: AxisKind) -> EffectAnswer {
     let kinds = vocabulary::effect(named.effect.id).map_or(&[][..], |kind| kind.parameters);
+    let neutral = (named.effect.neutral)(&problem.nominal);
+    let nominal = (neutral.is_finite() && neutral != 0.0).then_some(neutral);
     let without = fit.heldout_after_rms / (1.0 - named.gain).max(1e-9);
     EffectAnswer {
         id: named.effect.id.to_owned(),
@@ -103,12 +105,14 @@ fn effect(problem: &Problem, named: &Named, fit: &FitAnswer, axis: AxisKind) -> 
         parameters: kinds
             .iter()
             .zip(&named.intervals)
-            .map(|(kind, interval)| Interval {
+            .enumerate()
+            .map(|(at, (kind, interval))| Interval {
                 id: kind.id(axis).to_owned(),
                 value: interval.value,
                 low: interval.low,
                 high: interval.high,
                 unit: kind.unit(axis).to_owned(),
+                nominal: nominal.filter(|_| named.effect.leading.contains(&at)),
             })
             .collect(),
         evidence: Evidence {

@@ -181,8 +181,14 @@ mod tests {
     fn row(line: u64, date: &str, outcome: Result<f64, &str>) -> Row {
         let task = Task { line, machine: "a.toml".into(), date: date.into(), ..Task::default() };
         let answer = |value: f64| {
-            let value =
-                Interval { id: "coulomb_nm".into(), value, low: value - 0.1, high: value + 0.1, unit: "N m".into() };
+            let value = Interval {
+                id: "coulomb_nm".into(),
+                value,
+                low: value - 0.1,
+                high: value + 0.1,
+                unit: "N m".into(),
+                nominal: None,
+            };
             let effect = EffectAnswer {
                 id: "coulomb_friction".into(),
                 text: String::new(),

@@ -180,6 +180,9 @@ pub struct Interval {
     pub high: f64,
     /// Unit.
     pub unit: String,
+    /// What the nominal model has in its place; none where that is nothing, or nothing that one value says.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub nominal: Option<f64>,
 }
 
 /// Evidence of one effect.

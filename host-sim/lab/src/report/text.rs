@@ -120,7 +120,8 @@ fn write_line(text: &mut String, effect: &EffectAnswer) -> std::fmt::Result {
 fn write_effect(text: &mut String, effect: &EffectAnswer) -> std::fmt::Result {
     writeln!(text, "\n{}: {}", effect.id, effect.text)?;
     for p in &effect.parameters {
-        writeln!(text, "  {} = {}", p.id, valued(p))?;
+        let nominal = p.nominal.map(|value| format!(", nominal {}", number(value, p.high - p.low))).unwrap_or_default();
+        writeln!(text, "  {} = {}{nominal}", p.id, valued(p))?;
     }
     let e = effect.evidence;
     writeln!(
@@ -182,7 +183,14 @@ mod tests {
     use crate::report::Evidence;
 
     fn answer(verdict: Verdict, fit: FitAnswer) -> Answer {
-        let parameter = Interval { id: "amplitude_nm".into(), value: 18.0, low: 17.0, high: 19.0, unit: "N m".into() };
+        let parameter = Interval {
+            id: "amplitude_nm".into(),
+            value: 18.0,
+            low: 17.0,
+            high: 19.0,
+            unit: "N m".into(),
+            nominal: None,
+        };
         let effect = EffectAnswer {
             id: "cogging".into(),
             text: "Torque repeats over a revolution.".into(),

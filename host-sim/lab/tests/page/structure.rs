@@ -109,7 +109,11 @@ fn the_figures_are_those_of_the_json() {
             let (low, high) = row[2].split_once(" to ").unwrap();
             same(low, parameter["low"].as_f64().unwrap());
             same(high, parameter["high"].as_f64().unwrap());
-            assert_eq!(row[3], parameter["unit"].as_str().unwrap());
+            match parameter["nominal"].as_f64() {
+                Some(nominal) => same(&row[3], nominal),
+                None => assert_eq!(row[3], ""),
+            }
+            assert_eq!(row[4], parameter["unit"].as_str().unwrap());
         }
     }
 }

@@ -228,8 +228,14 @@ mod tests {
     use crate::report::{EffectAnswer, Evidence, Interval};
 
     fn answer(value: f64, half: f64) -> Answer {
-        let parameter =
-            Interval { id: "c".to_owned(), value, low: value - half, high: value + half, unit: "N m".to_owned() };
+        let parameter = Interval {
+            id: "c".to_owned(),
+            value,
+            low: value - half,
+            high: value + half,
+            unit: "N m".to_owned(),
+            nominal: None,
+        };
         let evidence = Evidence { heldout_gain: 0.5, p_value: 0.0, excess_explained: 0.5 };
         let effect = EffectAnswer {
             id: "coulomb_friction".to_owned(),

@@ -18,12 +18,18 @@ pub(super) fn effects(answer: &Answer) -> Option<Section> {
 }
 
 fn effect(effect: &EffectAnswer) -> String {
-    let rows = effect
-        .parameters
-        .iter()
-        .map(|p| vec![format!("<code>{}</code>", text(&p.id)), estimate(p), interval(p), text(shown(&p.unit))]);
-    let values =
-        table("Values in the improved model", &["parameter", "value", "95 % interval", "unit"], rows.collect());
+    let rows = effect.parameters.iter().map(|p| {
+        let nominal = p.nominal.map(|value| number(value, p.high - p.low)).unwrap_or_default();
+        vec![
+            format!("<code>{}</code>", text(&p.id)),
+            estimate(p),
+            interval(p),
+            nominal,
+            text(shown(&p.unit)).to_string(),
+        ]
+    });
+    let head = ["parameter", "value", "95 % interval", "nominal", "unit"];
+    let values = table("Values in the improved model", &head, rows.collect());
     let evidence = &effect.evidence;
     let because = format!(
         "<p class=\"quiet\">Accounts for up to {} % of the held-out error without it; p {} after correction for everything \

@@ -28,6 +28,7 @@ fn answer(verdict: Verdict) -> Answer {
             low: 0.9482,
             high: 0.9523,
             unit: "N m".to_owned(),
+            nominal: Some(0.9),
         }],
         evidence: Evidence { heldout_gain: 0.6, p_value: 0.0, excess_explained: 0.99 },
         recording: Some(hostile.clone()),
