@@ -45,7 +45,7 @@ fn turns(position: &[f64], still: f64) -> usize {
         };
         if turned {
             turns += usize::from(up.is_some());
-            up = Some(at - low > high - at);
+            up = Some(up.map_or(at - low > high - at, |up: bool| !up));
             (low, high) = (at, at);
         }
     }
