@@ -49,7 +49,7 @@ pub fn rank(problem: &Problem, contenders: &[Contender], fitted_one: impl Fn() +
     let mut steps: Vec<(&'static str, Step)> = contenders.par_iter().filter_map(fitted).collect();
     steps.sort_by(|(_, a), (_, b)| b.assessed.total().total_cmp(&a.assessed.total()));
     let Some((_, best)) = steps.first() else { return Vec::new() };
-    let behind: Vec<Comparison> = steps.iter().skip(1).map(|(_, step)| compare(&finer, best, step)).collect();
+    let behind: Vec<Comparison> = steps.iter().skip(1).map(|(_, step)| compare(problem, best, step)).collect();
     let excluded = excluded(&behind);
     let standing = behind.into_iter().map(Some).zip(excluded);
     let standings = std::iter::once((None, false)).chain(standing);

@@ -9,6 +9,5 @@ mod likelihood;
 mod load_heat_ripple;
 mod nuisances;
 mod orders;
-mod ranking;
 mod relevance;
 mod shared;
