@@ -5,6 +5,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use crate::precheck::travel;
 use crate::precheck::windows::{Window, median_period_s, windows};
 use crate::read::{Axis, AxisKind, Machine, Mapping, PlantNominal, Recording};
 
@@ -261,14 +262,6 @@ fn without_untold(windows: &[Window], whole: Fit, sign: f64, largest: f64) -> (F
 fn is_one_way(windows: &[Window]) -> bool {
     let forward = windows.iter().filter(|window| window.speed > 0.0).count();
     (forward.min(windows.len() - forward) as f64) < OTHER_WAY * windows.len() as f64
-}
-
-fn travel(recording: &Recording) -> f64 {
-    let (low, high) = recording
-        .position
-        .iter()
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), position| (low.min(*position), high.max(*position)));
-    high - low
 }
 
 /// What the effort did to the motion, N m rad (N m).

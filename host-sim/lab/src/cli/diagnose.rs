@@ -152,7 +152,7 @@ fn read_text(file: &Path) -> Result<String, Error> {
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
-    use crate::report::{EffectAnswer, Evidence, Interval};
+    use crate::report::testing::effect;
     use clap::Parser as _;
 
     #[derive(clap::Parser)]
@@ -162,23 +162,7 @@ mod tests {
     }
 
     fn answer(verdict: Verdict) -> Answer {
-        let value = Interval {
-            id: "amplitude_nm".into(),
-            value: 18.0,
-            low: 17.0,
-            high: 19.0,
-            unit: "N m".into(),
-            nominal: None,
-        };
-        let effect = EffectAnswer {
-            id: "gravity_load".into(),
-            text: String::new(),
-            equivalent: Vec::new(),
-            nuisances: Vec::new(),
-            parameters: vec![value],
-            evidence: Evidence { heldout_gain: 0.5, p_value: 1e-12, excess_explained: 0.5 },
-            recording: None,
-        };
+        let effect = effect("gravity_load", "amplitude_nm", 18.0, 1.0);
         Answer { verdict, effects: vec![effect], ..Answer::default() }
     }
 

@@ -176,28 +176,13 @@ mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
     use crate::fleet::Task;
-    use crate::report::{Answer, Evidence, Verdict};
+    use crate::report::testing::effect;
+    use crate::report::{Answer, Verdict};
 
     fn row(line: u64, date: &str, outcome: Result<f64, &str>) -> Row {
         let task = Task { line, machine: "a.toml".into(), date: date.into(), ..Task::default() };
         let answer = |value: f64| {
-            let value = Interval {
-                id: "coulomb_nm".into(),
-                value,
-                low: value - 0.1,
-                high: value + 0.1,
-                unit: "N m".into(),
-                nominal: None,
-            };
-            let effect = EffectAnswer {
-                id: "coulomb_friction".into(),
-                text: String::new(),
-                equivalent: Vec::new(),
-                nuisances: Vec::new(),
-                parameters: vec![value],
-                evidence: Evidence { heldout_gain: 0.5, p_value: 1e-9, excess_explained: 0.5 },
-                recording: None,
-            };
+            let effect = effect("coulomb_friction", "coulomb_nm", value, 0.1);
             Answer { verdict: Verdict::Named, effects: vec![effect], ..Answer::default() }
         };
         Row { task, key: String::new(), outcome: outcome.map(answer).map_err(str::to_owned) }

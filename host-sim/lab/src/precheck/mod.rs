@@ -95,7 +95,9 @@ impl Limits {
 /// What is wrong with the recordings, those to fit first; `holdout` is empty for a comparison.
 // Over 40 lines: each reason to look no further at a recording, in their order.
 pub fn check(machine: &Machine, fitted: &[Recording], holdout: &[Recording], purpose: Purpose) -> Vec<Finding> {
-    let moves = fitted.iter().any(|recording| travel(recording) > still_within(machine, recording));
+    let stands = |recording: &Recording| travel(recording) <= still_within(machine, recording);
+    let stand: Vec<bool> = fitted.iter().chain(holdout).map(stands).collect();
+    let moves = stand[..fitted.len()].contains(&false);
     let length_s: f64 = fitted.iter().map(length_s).sum();
     let (mut findings, mut right_way) = (Vec::new(), false);
     for (index, recording) in fitted.iter().chain(holdout).enumerate() {
@@ -132,7 +134,7 @@ pub fn check(machine: &Machine, fitted: &[Recording], holdout: &[Recording], pur
             add(Problem::Gaps { gaps: recording.gaps.len(), left_s, needed_s }, Severity::Error);
             continue;
         }
-        if travel(recording) <= still_within(machine, recording) {
+        if stand[index] {
             let nothing = purpose == Purpose::Diagnose && !moves;
             add(
                 Problem::NeverMoves { travel: travel(recording) },
@@ -288,12 +290,13 @@ fn judged_s(recording: &Recording) -> f64 {
     starts.zip(ends).enumerate().map(piece).sum()
 }
 
-fn range(values: &[f64]) -> (f64, f64) {
+/// The least and the largest of some values.
+pub(crate) fn range(values: &[f64]) -> (f64, f64) {
     values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(*value), high.max(*value)))
 }
 
 /// How far the axis goes, rad (m).
-fn travel(recording: &Recording) -> f64 {
+pub(crate) fn travel(recording: &Recording) -> f64 {
     let (low, high) = range(&recording.position);
     high - low
 }

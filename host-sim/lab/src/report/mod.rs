@@ -4,6 +4,8 @@ mod answer;
 pub mod compare;
 pub mod html;
 mod improved;
+#[cfg(test)]
+pub(crate) mod testing;
 mod text;
 mod units;
 

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use super::html::{measure, number, p_value};
+use super::html::{measure, nominal, number, p_value};
 use super::{Answer, EffectAnswer, FitAnswer, Interval, Location, RemainderAnswer, Verdict, shown};
 
 /// Lines of the longest answer: what a terminal shows at once.
@@ -120,7 +120,7 @@ fn write_line(text: &mut String, effect: &EffectAnswer) -> std::fmt::Result {
 fn write_effect(text: &mut String, effect: &EffectAnswer) -> std::fmt::Result {
     writeln!(text, "\n{}: {}", effect.id, effect.text)?;
     for p in &effect.parameters {
-        let nominal = p.nominal.map(|value| format!(", nominal {}", number(value, p.high - p.low))).unwrap_or_default();
+        let nominal = nominal(p).map(|value| format!(", nominal {value}")).unwrap_or_default();
         writeln!(text, "  {} = {}{nominal}", p.id, valued(p))?;
     }
     let e = effect.evidence;
@@ -181,24 +181,13 @@ fn write_remainder(text: &mut String, left: &RemainderAnswer) -> std::fmt::Resul
 mod tests {
     use super::*;
     use crate::report::Evidence;
+    use crate::report::testing::effect;
 
     fn answer(verdict: Verdict, fit: FitAnswer) -> Answer {
-        let parameter = Interval {
-            id: "amplitude_nm".into(),
-            value: 18.0,
-            low: 17.0,
-            high: 19.0,
-            unit: "N m".into(),
-            nominal: None,
-        };
         let effect = EffectAnswer {
-            id: "cogging".into(),
             text: "Torque repeats over a revolution.".into(),
-            equivalent: Vec::new(),
-            nuisances: Vec::new(),
-            parameters: vec![parameter],
             evidence: Evidence { heldout_gain: 0.9999, p_value: 1e-13, excess_explained: 1.0 },
-            recording: None,
+            ..effect("cogging", "amplitude_nm", 18.0, 1.0)
         };
         Answer { verdict, effects: vec![effect], fit, ..Answer::default() }
     }

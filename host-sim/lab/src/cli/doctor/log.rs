@@ -11,7 +11,7 @@ use crate::cli::effort_units::EffortUnits;
 use crate::cli::velocity_check::{WrongVelocity, wrong_velocity};
 use crate::first_model::{FirstModel, first_model};
 use crate::precheck::windows::median_period_s;
-use crate::precheck::{Purpose, wrong_rate};
+use crate::precheck::{Purpose, range, travel, wrong_rate};
 use crate::read::{
     Axis, Column, Given, Machine, Mapping, Recording, Table, guess, places, position_step, wrap, wrong_samples,
 };
@@ -144,15 +144,6 @@ fn gaps(recording: &Recording) -> Check {
             Check::new(State::Note, "gaps", found)
         }
     }
-}
-
-fn travel(recording: &Recording) -> f64 {
-    let (low, high) = range(&recording.position);
-    high - low
-}
-
-fn range(values: &[f64]) -> (f64, f64) {
-    values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(*value), high.max(*value)))
 }
 
 fn steps(recording: &Recording, resolution: f64) -> Check {

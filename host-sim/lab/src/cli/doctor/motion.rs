@@ -1,6 +1,7 @@
 //! How much of a log is motion.
 
 use super::{Check, State};
+use crate::precheck::range;
 use crate::read::{Axis, Recording};
 use crate::residual::spread_at_rest;
 
@@ -13,12 +14,9 @@ const MOSTLY_AT_REST: f64 = 0.1;
 pub(super) fn motion(recording: &Recording, axis: &Axis, period_s: f64) -> Check {
     let rows = ((STRETCH_S / period_s).round() as usize).max(2);
     let still = spread_at_rest(recording, axis, rows);
-    let stretches: Vec<&[f64]> = recording.position.chunks(rows).collect();
-    let moves = |stretch: &&&[f64]| {
-        let ends = stretch.iter().fold((f64::MAX, f64::MIN), |(low, high), at| (low.min(*at), high.max(*at)));
-        ends.1 - ends.0 > still
-    };
-    let share = stretches.iter().filter(moves).count() as f64 / stretches.len().max(1) as f64;
+    let stretches = recording.position.chunks(rows);
+    let (all, ends) = (stretches.len().max(1), stretches.map(range));
+    let share = ends.filter(|(low, high)| high - low > still).count() as f64 / all as f64;
     let turns = match turns(&recording.position, still) {
         0 => "never turns".to_owned(),
         1 => "turns once".to_owned(),

@@ -225,27 +225,10 @@ fn measured(physics: &Physics, of: &Numbers, letters: &Letters) -> Option<String
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::{EffectAnswer, Evidence, Interval};
+    use crate::report::testing::effect;
 
     fn answer(value: f64, half: f64) -> Answer {
-        let parameter = Interval {
-            id: "c".to_owned(),
-            value,
-            low: value - half,
-            high: value + half,
-            unit: "N m".to_owned(),
-            nominal: None,
-        };
-        let evidence = Evidence { heldout_gain: 0.5, p_value: 0.0, excess_explained: 0.5 };
-        let effect = EffectAnswer {
-            id: "coulomb_friction".to_owned(),
-            text: String::new(),
-            equivalent: Vec::new(),
-            nuisances: Vec::new(),
-            parameters: vec![parameter],
-            evidence,
-            recording: None,
-        };
+        let effect = effect("coulomb_friction", "c", value, half);
         Answer { effects: vec![effect], ..Answer::default() }
     }
 

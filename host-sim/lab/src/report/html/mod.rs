@@ -28,7 +28,7 @@ pub(crate) use pictures::{figure, picture};
 pub(crate) use sections::warnings;
 #[cfg(test)]
 pub(crate) use words::sentence;
-pub(crate) use words::{estimate, interval};
+pub(crate) use words::{estimate, interval, nominal};
 pub(crate) use words::{measure, number, p_value, short};
 
 use crate::Error;

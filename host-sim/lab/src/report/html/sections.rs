@@ -3,7 +3,7 @@
 use super::data::{Fit, prefix};
 use super::escape::text;
 use super::markup::{Section, table};
-use super::words::{estimate, fit_percent, interval, number, p_value, title};
+use super::words::{estimate, fit_percent, interval, nominal, number, p_value, title};
 use super::{MapPlot, PlotData};
 use crate::report::text::{fall, per_cent};
 use crate::report::{Answer, EffectAnswer, shown};
@@ -19,14 +19,8 @@ pub(super) fn effects(answer: &Answer) -> Option<Section> {
 
 fn effect(effect: &EffectAnswer) -> String {
     let rows = effect.parameters.iter().map(|p| {
-        let nominal = p.nominal.map(|value| number(value, p.high - p.low)).unwrap_or_default();
-        vec![
-            format!("<code>{}</code>", text(&p.id)),
-            estimate(p),
-            interval(p),
-            nominal,
-            text(shown(&p.unit)).to_string(),
-        ]
+        let (id, nominal) = (format!("<code>{}</code>", text(&p.id)), nominal(p).unwrap_or_default());
+        vec![id, estimate(p), interval(p), nominal, text(shown(&p.unit)).to_string()]
     });
     let head = ["parameter", "value", "95 % interval", "nominal", "unit"];
     let values = table("Values in the improved model", &head, rows.collect());

@@ -80,6 +80,11 @@ pub(crate) fn interval(of: &Interval) -> String {
     format!("{} to {}", number(of.low, width), number(of.high, width))
 }
 
+/// What the nominal model has in its place, with the same digits; nothing where it has none.
+pub(crate) fn nominal(of: &Interval) -> Option<String> {
+    of.nominal.map(|value| number(value, of.high - of.low))
+}
+
 /// A number with two digits of `width`; four of its own where that is zero or no number.
 pub(crate) fn number(value: f64, width: f64) -> String {
     if !value.is_finite() {
