@@ -293,7 +293,7 @@ fn early(nominal: &Physics, recordings: &[Recorded], grids: &[Grid], motions: &[
             let prepared = Prepared::new(nominal, index, resolution);
             let acting = Acting::new(nominal, index, recorded, grid, early_s[index], &Lately::default())?;
             let residual = prepared.residual(motion, recorded, grid, &acting);
-            let noise = prepared.likeliest_noise(motion, recorded, &residual);
+            let noise = prepared.likeliest_noise(motion, &residual);
             let innovations = prepared.whiten(motion, recorded, &residual, &noise);
             Some(innovations.log_likelihood.iter().sum::<f64>())
         };

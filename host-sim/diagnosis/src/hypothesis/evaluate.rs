@@ -196,11 +196,11 @@ impl Kept {
     /// The torque that is missing in each substep of one recording, as [`Prepared::missing_torque`] has it.
     pub(crate) fn missing_torque(&self, problem: &Problem, index: usize) -> Vec<f64> {
         let kept = &self.recordings[index];
-        let driven = driven(problem, index, &kept.acting);
+        let grid = &problem.grids[index];
         match (&kept.path, problem.motions.get(index)) {
-            (Some(path), _) => kept.prepared.missing_torque(path, &kept.innovations, driven.grid),
-            (None, Some(motion)) => kept.prepared.missing_along(motion, driven, &kept.innovations, &self.noise[index]),
-            (None, None) => vec![0.0; driven.grid.substeps()],
+            (Some(path), _) => kept.prepared.missing_torque(path, &kept.innovations, grid),
+            (None, Some(motion)) => kept.prepared.missing_along(motion, grid, &kept.innovations, &self.noise[index]),
+            (None, None) => vec![0.0; grid.substeps()],
         }
     }
 }

@@ -17,7 +17,7 @@ pub fn noise_of(problem: &Problem, physics: &Physics, from: &[Noise], octaves: f
         let (prepared, acting) = prepare(problem, physics, index)?;
         if let Some(motion) = problem.motions.get(index) {
             let residual = residual(problem, index, motion, &prepared, &acting);
-            return Some(prepared.likeliest_noise(motion, &problem.recordings[index], &residual));
+            return Some(prepared.likeliest_noise(motion, &residual));
         }
         Some(Stretches::excerpt(problem, index, &prepared, &acting).likeliest(*from, octaves).0)
     })

@@ -11,8 +11,6 @@
 mod forces;
 mod motion;
 
-use statrs::function::erf::erf;
-
 use super::acting::Acting;
 use super::filter::{Driven, Innovations, MOST_STATES, Prepared, loss};
 use super::grid::Grid;
@@ -49,13 +47,12 @@ impl Prepared {
             &row_torques(&acting.drive.drive, grid),
         );
         let inertia = self.laws.rotor_inertia();
-        let rotor: Vec<f64> = recorded.position.iter().map(|seen| self.rotor(*seen)).collect();
+        let rotor = (!self.eccentricity.is_empty())
+            .then(|| recorded.position.iter().map(|seen| self.rotor(*seen)).collect::<Vec<f64>>());
         let of = |test: &motion::Test| {
-            let force: f64 = test.force.iter().zip(test.rows.clone()).map(|(weight, row)| weight * net[row]).sum();
-            let first = rotor[test.rows.start];
-            let seen = test.acceleration.iter().zip(&rotor[test.rows.clone()]);
-            let left = force - inertia * seen.map(|(weight, position)| weight * (position - first)).sum::<f64>();
-            left / self.per_column(0.5 * motion.support_s())
+            let force: f64 = test.force.iter().zip(&net[test.rows.start..]).map(|(weight, net)| weight * net).sum();
+            let accelerates = rotor.as_ref().map_or(test.accelerates, |rotor| test.acceleration_of(rotor));
+            (force - inertia * accelerates) / self.per_column(0.5 * motion.support_s())
         };
         motion.tests.iter().map(of).collect()
     }
@@ -73,14 +70,13 @@ impl Prepared {
         (0..torques.len())
             .map(|row| {
                 let dt_s = recorded.t_s[row + 1] - recorded.t_s[row];
-                let speed = 0.5 * (motion.speed[row] + motion.speed[row + 1]);
+                let speed = motion.speed_behind(row);
                 let along = Interval {
                     dt_s,
                     position: self.rotor(0.5 * (motion.position[row] + motion.position[row + 1])),
                     speed,
                     change: motion.speed[row + 1] - motion.speed[row],
-                    // The probability that the rotor slides the way the speed says, less that of the other way.
-                    slides: erf(speed.abs() / (std::f64::consts::SQRT_2 * motion.speed_sd)),
+                    slides: motion.slides[row],
                     torque: torques[row],
                     drive: drives[row],
                 };
@@ -108,7 +104,7 @@ impl Prepared {
             counted: vec![false; rows],
         };
         for (test, &torque) in motion.tests.iter().zip(residual) {
-            let sd = self.torque_sd(test, recorded, noise);
+            let sd = self.torque_sd(test, noise);
             let row = test.middle;
             found.whitened[row] = torque / sd;
             found.log_likelihood[row] = -sd.ln() - 0.5 * loss(torque / sd);
@@ -119,26 +115,26 @@ impl Prepared {
     }
 
     /// The noise of a residual torque, N m (N).
-    fn torque_sd(&self, test: &motion::Test, recorded: &Recorded, noise: &Noise) -> f64 {
+    fn torque_sd(&self, test: &motion::Test, noise: &Noise) -> f64 {
         let inertia = self.laws.rotor_inertia();
-        let sensor = (inertia * noise.sensor_sd).powi(2) * test.per_sensor();
-        (noise.torque_density * test.per_density(&recorded.t_s) + sensor).max(f64::MIN_POSITIVE).sqrt()
+        let sensor = (inertia * noise.sensor_sd).powi(2) * test.per_sensor;
+        (noise.torque_density * test.per_density + sensor).max(f64::MIN_POSITIVE).sqrt()
     }
 
     /// The noise under which residual torques are likeliest, by golden sections of the logarithm of its density.
-    pub(crate) fn likeliest_noise(&self, motion: &Motion, recorded: &Recorded, residual: &Residual) -> Noise {
+    pub(crate) fn likeliest_noise(&self, motion: &Motion, residual: &Residual) -> Noise {
         let squares: f64 = motion
             .tests
             .iter()
             .zip(residual)
-            .map(|(test, torque)| torque * torque / test.per_density(&recorded.t_s).max(f64::MIN_POSITIVE))
+            .map(|(test, torque)| torque * torque / test.per_density.max(f64::MIN_POSITIVE))
             .sum();
         let most = squares / residual.len().max(1) as f64;
         let with = |ln: f64| Noise::white(motion.sensor_sd, most.max(f64::MIN_POSITIVE) * ln.exp());
         let cost = |ln: f64| -> f64 {
             let noise = with(ln);
             let of = |(test, torque): (&motion::Test, &f64)| {
-                let sd = self.torque_sd(test, recorded, &noise);
+                let sd = self.torque_sd(test, &noise);
                 sd.ln() + 0.5 * loss(torque / sd)
             };
             motion.tests.iter().zip(residual).map(of).sum()
@@ -234,7 +230,7 @@ impl Prepared {
     ) -> Vec<f64> {
         let mut column = vec![0.0; recorded.rows()];
         for (test, torque) in motion.tests.iter().zip(residual) {
-            column[test.middle] = torque / self.torque_sd(test, recorded, noise) - base.whitened[test.middle];
+            column[test.middle] = torque / self.torque_sd(test, noise) - base.whitened[test.middle];
         }
         column
     }
@@ -251,7 +247,7 @@ impl Prepared {
         let mut column = vec![0.0; recorded.rows()];
         for test in &motion.tests {
             let felt: f64 = test.force.iter().zip(test.rows.clone()).map(|(weight, row)| weight * torques[row]).sum();
-            let scale = self.per_column(0.5 * motion.support_s()) * self.torque_sd(test, recorded, noise);
+            let scale = self.per_column(0.5 * motion.support_s()) * self.torque_sd(test, noise);
             column[test.middle] = felt / scale;
         }
         column
@@ -262,14 +258,13 @@ impl Prepared {
     pub(crate) fn missing_along(
         &self,
         motion: &Motion,
-        driven: Driven<'_>,
+        grid: &Grid,
         innovations: &Innovations,
         noise: &Noise,
     ) -> Vec<f64> {
-        let Driven { recorded, grid, .. } = driven;
         let mut missing = vec![0.0; grid.substeps()];
         for test in &motion.tests {
-            let per_torque = innovations.whitened[test.middle] / self.torque_sd(test, recorded, noise);
+            let per_torque = innovations.whitened[test.middle] / self.torque_sd(test, noise);
             for (weight, row) in test.force.iter().zip(test.rows.clone()) {
                 let steps = grid.first[row] as usize..grid.first[row + 1] as usize;
                 let share = (steps.len().max(1) as f64).recip();

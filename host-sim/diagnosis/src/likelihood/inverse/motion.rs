@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use nalgebra::{Matrix3, Vector3};
+use statrs::function::erf::erf;
 
 use crate::recorded::Recorded;
 
@@ -21,20 +22,35 @@ pub(crate) struct Test {
     pub(crate) middle: usize,
     /// Weights of the positions of the support that make the acceleration, 1/s2.
     pub(crate) acceleration: Vec<f64>,
+    /// The acceleration that the positions make as they were measured, rad/s2 (m/s2).
+    pub(crate) accelerates: f64,
     /// Weights of what acts in each interval of the support, 1.
     pub(crate) force: Vec<f64>,
+    /// Integral of the squared bump, 1/s: what white torque noise of density one leaves.
+    pub(crate) per_density: f64,
+    /// Sum of squares of the acceleration's weights, 1/s4: what white sensor noise of variance one leaves.
+    pub(crate) per_sensor: f64,
 }
 
 impl Test {
-    /// Integral of the squared bump, 1/s: what white torque noise of density one leaves.
-    pub(crate) fn per_density(&self, t_s: &[f64]) -> f64 {
-        let intervals = self.force.iter().zip(self.rows.clone());
-        intervals.map(|(weight, row)| weight * weight / (t_s[row + 1] - t_s[row])).sum()
+    /// Over some rows of a recording, whose positions make the acceleration by these weights.
+    fn new(recorded: &Recorded, rows: Range<usize>, middle: usize, acceleration: Vec<f64>) -> Self {
+        let t_s = &recorded.t_s[rows.clone()];
+        let force = forces(&acceleration, t_s);
+        let intervals = force.iter().zip(t_s.windows(2));
+        let per_density = intervals.map(|(weight, ends)| weight * weight / (ends[1] - ends[0])).sum();
+        let per_sensor = acceleration.iter().map(|weight| weight * weight).sum();
+        let mut test = Self { rows, middle, acceleration, accelerates: 0.0, force, per_density, per_sensor };
+        test.accelerates = test.acceleration_of(&recorded.position);
+        test
     }
 
-    /// Sum of squares of the acceleration's weights, 1/s4: what white sensor noise of variance one leaves.
-    pub(crate) fn per_sensor(&self) -> f64 {
-        self.acceleration.iter().map(|weight| weight * weight).sum()
+    /// The acceleration that positions of all rows make, rad/s2 (m/s2).
+    pub(crate) fn acceleration_of(&self, position: &[f64]) -> f64 {
+        // Against the first of them: a position far from zero keeps its digits.
+        let first = position[self.rows.start];
+        let seen = self.acceleration.iter().zip(&position[self.rows.clone()]);
+        seen.map(|(weight, position)| weight * (position - first)).sum()
     }
 }
 
@@ -47,6 +63,9 @@ pub struct Motion {
     pub(crate) speed: Vec<f64>,
     /// Its standard deviation, rad/s (m/s).
     pub(crate) speed_sd: f64,
+    /// In the interval behind each row but the last, the probability that the rotor slides the way the speed says, less that of the
+    /// other way, 0 to 1.
+    pub(crate) slides: Vec<f64>,
     /// Standard deviation of a position sample, rad (m).
     pub(crate) sensor_sd: f64,
     pub(crate) tests: Vec<Test>,
@@ -90,14 +109,23 @@ impl Motion {
         }
         let sensor_sd = smooth.left.max(rounding_sd);
         let tests = segments.iter().flat_map(|segment| tests(recorded, segment, half_s)).collect();
-        Self {
+        let mut motion = Self {
             position: smooth.position,
             speed: smooth.speed,
             speed_sd: sensor_sd * smooth.slope,
+            slides: Vec::new(),
             sensor_sd,
             tests,
             support_s: 2.0 * half_s,
-        }
+        };
+        let sliding = |row: usize| erf(motion.speed_behind(row).abs() / (std::f64::consts::SQRT_2 * motion.speed_sd));
+        motion.slides = (0..recorded.rows().saturating_sub(1)).map(sliding).collect();
+        motion
+    }
+
+    /// Speed in the middle of the interval behind a row, rad/s (m/s).
+    pub(crate) fn speed_behind(&self, row: usize) -> f64 {
+        0.5 * (self.speed[row] + self.speed[row + 1])
     }
 }
 
@@ -174,9 +202,9 @@ fn tests(recorded: &Recorded, segment: &Range<usize>, half_s: f64) -> Vec<Test> 
         {
             let acceleration: Vec<f64> =
                 (0..rows.len()).map(|row| 2.0 * fit.weight(row, 2) / (half_s * half_s)).collect();
-            let force = forces(&acceleration, &t_s[rows.clone()]);
             let middle = rows.start + t_s[rows.clone()].partition_point(|t| *t < middle_s);
-            all.push(Test { middle: middle.min(rows.end - 1), rows, acceleration, force });
+            let last = rows.end - 1;
+            all.push(Test::new(recorded, rows, middle.min(last), acceleration));
         }
         middle_s += half_s;
     }
