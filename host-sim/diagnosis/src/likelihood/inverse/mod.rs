@@ -49,10 +49,11 @@ impl Prepared {
         let inertia = self.laws.rotor_inertia();
         let rotor = (!self.eccentricity.is_empty())
             .then(|| recorded.position.iter().map(|seen| self.rotor(*seen)).collect::<Vec<f64>>());
+        let per_column = self.per_column(0.5 * motion.support_s());
         let of = |test: &motion::Test| {
             let force: f64 = test.force.iter().zip(&net[test.rows.start..]).map(|(weight, net)| weight * net).sum();
             let accelerates = rotor.as_ref().map_or(test.accelerates, |rotor| test.acceleration_of(rotor));
-            (force - inertia * accelerates) / self.per_column(0.5 * motion.support_s())
+            (force - inertia * accelerates) / per_column
         };
         motion.tests.iter().map(of).collect()
     }
@@ -70,7 +71,7 @@ impl Prepared {
         (0..torques.len())
             .map(|row| {
                 let dt_s = recorded.t_s[row + 1] - recorded.t_s[row];
-                let speed = motion.speed_behind(row);
+                let speed = 0.5 * (motion.speed[row] + motion.speed[row + 1]);
                 let along = Interval {
                     dt_s,
                     position: self.rotor(0.5 * (motion.position[row] + motion.position[row + 1])),
@@ -245,10 +246,10 @@ impl Prepared {
         torques: &[f64],
     ) -> Vec<f64> {
         let mut column = vec![0.0; recorded.rows()];
+        let per_column = self.per_column(0.5 * motion.support_s());
         for test in &motion.tests {
             let felt: f64 = test.force.iter().zip(test.rows.clone()).map(|(weight, row)| weight * torques[row]).sum();
-            let scale = self.per_column(0.5 * motion.support_s()) * self.torque_sd(test, noise);
-            column[test.middle] = felt / scale;
+            column[test.middle] = felt / (per_column * self.torque_sd(test, noise));
         }
         column
     }

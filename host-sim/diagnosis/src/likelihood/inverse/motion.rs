@@ -40,18 +40,20 @@ impl Test {
         let intervals = force.iter().zip(t_s.windows(2));
         let per_density = intervals.map(|(weight, ends)| weight * weight / (ends[1] - ends[0])).sum();
         let per_sensor = acceleration.iter().map(|weight| weight * weight).sum();
-        let mut test = Self { rows, middle, acceleration, accelerates: 0.0, force, per_density, per_sensor };
-        test.accelerates = test.acceleration_of(&recorded.position);
-        test
+        let accelerates = weighted(&acceleration, &recorded.position[rows.clone()]);
+        Self { rows, middle, acceleration, accelerates, force, per_density, per_sensor }
     }
 
     /// The acceleration that positions of all rows make, rad/s2 (m/s2).
     pub(crate) fn acceleration_of(&self, position: &[f64]) -> f64 {
-        // Against the first of them: a position far from zero keeps its digits.
-        let first = position[self.rows.start];
-        let seen = self.acceleration.iter().zip(&position[self.rows.clone()]);
-        seen.map(|(weight, position)| weight * (position - first)).sum()
+        weighted(&self.acceleration, &position[self.rows.clone()])
     }
+}
+
+/// Sum of positions under weights whose own sum is zero, against the first: a position far from zero keeps its digits.
+fn weighted(weights: &[f64], position: &[f64]) -> f64 {
+    let first = position[0];
+    weights.iter().zip(position).map(|(weight, position)| weight * (position - first)).sum()
 }
 
 /// A recording's motion.
@@ -109,23 +111,17 @@ impl Motion {
         }
         let sensor_sd = smooth.left.max(rounding_sd);
         let tests = segments.iter().flat_map(|segment| tests(recorded, segment, half_s)).collect();
-        let mut motion = Self {
+        let speed_sd = sensor_sd * smooth.slope;
+        let slides = |ends: &[f64]| erf((0.5 * (ends[0] + ends[1])).abs() / (std::f64::consts::SQRT_2 * speed_sd));
+        Self {
+            slides: smooth.speed.windows(2).map(slides).collect(),
             position: smooth.position,
             speed: smooth.speed,
-            speed_sd: sensor_sd * smooth.slope,
-            slides: Vec::new(),
+            speed_sd,
             sensor_sd,
             tests,
             support_s: 2.0 * half_s,
-        };
-        let sliding = |row: usize| erf(motion.speed_behind(row).abs() / (std::f64::consts::SQRT_2 * motion.speed_sd));
-        motion.slides = (0..recorded.rows().saturating_sub(1)).map(sliding).collect();
-        motion
-    }
-
-    /// Speed in the middle of the interval behind a row, rad/s (m/s).
-    pub(crate) fn speed_behind(&self, row: usize) -> f64 {
-        0.5 * (self.speed[row] + self.speed[row + 1])
+        }
     }
 }
 
