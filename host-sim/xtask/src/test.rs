@@ -51,16 +51,26 @@ fn of_workspace(steps: &mut Steps) -> Result<(), String> {
     })?;
     // Before the tests: those of the log read its strings.
     steps.step("firmware", || firmware::build().map(|image| image.print()))?;
-    // What runs on the drive, and its plant, with the checks of debug builds. The others are slow without optimisation or take minutes
-    // to build with all that they read files by.
-    let checked = ["--package", "er-servo", "--package", "plant"];
-    steps.cargo("tests", &[&["test"], &checked[..]].concat())?;
+    steps.run("tests, checked", checked())?;
     steps.cargo("tests, release", &["test", "--workspace", "--release"])?;
     // After the release build, which the wheel is made of.
     steps.step("python", || {
         python::in_all_tests(python.join().map_err(|_| "the environment was not made".to_owned())?)
     })?;
     steps.step("firmware clippy", firmware::lint)
+}
+
+/// The tests of what runs on the drive, and of its plant, with the checks of a debug build. The others are slow with them or take minutes to
+/// build with all that they read files by. Of the release profile, whose libraries they share.
+fn checked() -> Command {
+    let mut command = cargo(&root(), &["test", "--release"]);
+    for package in ["er-servo", "plant"] {
+        command.args(["--package", package]);
+        for check in ["overflow-checks", "debug-assertions"] {
+            command.arg("--config").arg(format!("profile.release.package.{package}.{check}=true"));
+        }
+    }
+    command
 }
 
 /// The tests of the emulated board: the commissioning, a minute of one core, beside the others.

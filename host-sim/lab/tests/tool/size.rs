@@ -10,8 +10,9 @@ use assert_cmd::cargo::cargo_bin;
 /// library, and 1.03 MB for logs of other programs: zstd in C, by which Parquet is unpacked, is 0.63 of them, the encodings of text 0.16; and
 /// 0.09 MB for help, examples and looks at a log, 0.05 MB for passes of their own for machines without a state beside the rotor's, and
 /// 0.12 MB for logs with rounded times, of slower buses, of numbered or named joints, of arrays and in JSON; and 0.03 MB for logs without a
-/// time, with a name twice, with wrong samples or units that are not known, and what is said of them.
-const LARGEST_BYTES: u64 = 21_310_000;
+/// time, with a name twice, with wrong samples or units that are not known, and what is said of them. 3.11 MB, 1.24 of them code, came with crates
+/// that are no longer optimised across their units, which the profile `dist` does still.
+const LARGEST_BYTES: u64 = 24_420_000;
 
 #[test]
 #[cfg_attr(debug_assertions, ignore = "of a release build")]
