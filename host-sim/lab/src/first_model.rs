@@ -1,6 +1,7 @@
-//! A first model of a machine nobody has described: inertia, friction, offset and gravity by robust least squares.
+//! A first model of a machine nobody has described: inertia, friction, offset, and gravity or a spring, by robust least squares.
 //!
-//! The torque balance in short windows ([`crate::precheck`]): effort = J a + F sign v + D v - offset + G sin(position + phase).
+//! The torque balance in short windows ([`crate::precheck`]): effort = J a + F sign v + D v - offset + G sin(position + phase), or
+//! k position in the place of gravity.
 //! Of several lengths of window the one that tells the inertia best is taken: short ones hold more noise, long ones are few.
 
 use nalgebra::{DMatrix, DVector};
@@ -19,11 +20,12 @@ const ROUNDS: usize = 10;
 const HUBER: f64 = 1.345;
 /// Standard deviation of a normal distribution over its median absolute deviation.
 const SIGMA_PER_MAD: f64 = 1.4826;
-/// Gravity is one where it takes away this share of what is left without it; less is as often cogging or noise,
-const GRAVITY_EXPLAINS: f64 = 0.2;
-/// where its amplitude is this many times the width of its interval: over a short way it is a constant in disguise,
-const GRAVITY_SURE: f64 = 4.0;
-/// and where the axis turns by this, rad: a constant is as good over less.
+/// Gravity or a spring is one where it takes away this share of what is left without it; less is as often cogging or noise,
+const LOAD_EXPLAINS: f64 = 0.2;
+/// and where its value is this many times the width of its interval: over a short way gravity is a constant in disguise, and a spring an
+/// inertia of the wrong sign at one frequency.
+const LOAD_SURE: f64 = 4.0;
+/// Gravity also where the axis turns by this, rad: a constant is as good over less.
 const GRAVITY_TRAVEL_RAD: f64 = 0.5;
 /// Two standard errors of windows that overlap by half: 95 %.
 const INTERVAL: f64 = 2.0 * std::f64::consts::SQRT_2;
@@ -67,6 +69,8 @@ pub struct FirstModel {
     pub offset: Value,
     /// Amplitude, N m, and phase, rad; none on a linear axis and where it explains little.
     pub gravity: Option<(Value, f64)>,
+    /// Stiffness of a spring to the position 0, N m/rad (N/m); none beside gravity and where it explains little.
+    pub spring: Option<Value>,
     /// Share of the effort the balance explains, 0 to 1.
     pub explained: f64,
     /// Mean square of what is left, (N m)^2 (N^2).
@@ -117,7 +121,16 @@ impl Fit {
     fn gravity(&self) -> Option<Value> {
         let (sine, cosine) = (self.of(term::SINE)?, self.of(term::COSINE)?);
         let (value, within) = (sine.value.hypot(cosine.value), sine.within.max(cosine.within));
-        (value > GRAVITY_SURE * within).then_some(Value { value, within, kept: true })
+        (value > LOAD_SURE * within).then_some(Value { value, within, kept: true })
+    }
+
+    /// Stiffness of a spring that pulls back to about the position 0, where it is known well. `sign` is that of the effort, and its
+    /// `largest` holds the spring there.
+    fn spring(&self, sign: f64, largest: f64) -> Option<Value> {
+        let fitted = self.of(term::POSITION)?;
+        let value = sign * fitted.value;
+        let holds = self.of(term::CONSTANT).is_none_or(|constant| constant.value.abs() <= largest);
+        (holds && value > LOAD_SURE * fitted.within).then_some(Value { value, ..fitted })
     }
 }
 
@@ -175,22 +188,17 @@ fn neutral(axis: &Axis) -> Machine {
     }
 }
 
-/// The balance of these windows: of all terms, with gravity where it belongs there, without what nothing tells.
+/// The balance of these windows: of all terms, with gravity or a spring where it belongs there, without what nothing tells.
 fn balance(axis: &Axis, recordings: &[Recording], windows: &[Window], length_s: f64) -> Option<FirstModel> {
     let one_way = is_one_way(windows);
-    let without_direction = |terms: &[usize]| -> Vec<usize> {
-        terms.iter().copied().filter(|term| !(one_way && *term == term::DIRECTION)).collect()
+    let of = |terms: &[usize]| -> Option<Fit> {
+        let kept = terms.iter().copied().filter(|term| !(one_way && *term == term::DIRECTION));
+        fit(windows, &kept.collect::<Vec<usize>>())
     };
     let turns =
         axis.kind == AxisKind::Rotary && recordings.iter().any(|recording| travel(recording) > GRAVITY_TRAVEL_RAD);
     use term::{CONSTANT, COSINE, DIRECTION, POSITION, SINE, SPEED};
-    let plain = fit(windows, &without_direction(&[CONSTANT, DIRECTION, SPEED]))?;
-    // Over a short way gravity and an offset look alike; then gravity is tried alone.
-    let tried = [&[CONSTANT, DIRECTION, SPEED, SINE, COSINE][..], &[DIRECTION, SPEED, SINE, COSINE]];
-    let mut with_gravity =
-        tried.into_iter().filter(|_| turns).filter_map(|terms| fit(windows, &without_direction(terms)));
-    let enough = (1.0 - GRAVITY_EXPLAINS) * plain.left;
-    let best = with_gravity.find(|fit| fit.left < enough && fit.gravity().is_some()).unwrap_or(plain);
+    let plain = of(&[CONSTANT, DIRECTION, SPEED])?;
     // Gravity, a spring or another body may look like an inertia of the wrong sign: with all of them it must still be one, and no
     // machine gives back more work than it was given.
     let all: &[usize] = if turns {
@@ -199,12 +207,21 @@ fn balance(axis: &Axis, recordings: &[Recording], windows: &[Window], length_s: 
         &[CONSTANT, DIRECTION, SPEED, POSITION]
     };
     let is_negative = |fit: &Fit| fit.values[0].value < 0.0 && fit.values[0].is_known();
-    let whole = fit(windows, &without_direction(all));
-    let reversed = is_negative(&best) && whole.is_some_and(|fit| is_negative(&fit)) && work(recordings) < 0.0;
+    let may_be_reversed = of(all).is_some_and(|fit| is_negative(&fit)) && work(recordings) < 0.0;
+    let sign = |fit: &Fit| if may_be_reversed && is_negative(fit) { -1.0 } else { 1.0 };
     let largest =
         recordings.iter().flat_map(|recording| &recording.effort_cmd).fold(0.0, |most: f64, e| most.max(e.abs()));
-    let settled = settled(windows, best, if reversed { -1.0 } else { 1.0 }, largest);
-    Some(FirstModel { one_way, windows: (windows.len(), length_s), reversed, ..settled })
+    let enough = |fit: &Fit| fit.left < (1.0 - LOAD_EXPLAINS) * plain.left;
+    // Over a short way gravity and an offset look alike; then gravity is tried alone.
+    let tried = [&[CONSTANT, DIRECTION, SPEED, SINE, COSINE][..], &[DIRECTION, SPEED, SINE, COSINE]];
+    let mut with_gravity = tried.into_iter().filter(|_| turns).filter_map(of);
+    let gravity = with_gravity.find(|fit| enough(fit) && fit.gravity().is_some());
+    let spring = || of(&[CONSTANT, DIRECTION, SPEED, POSITION]).filter(enough);
+    let spring = gravity.or_else(|| spring().filter(|fit| fit.spring(sign(fit), largest).is_some()));
+    let best = spring.unwrap_or(plain);
+    let sign = sign(&best);
+    let settled = settled(windows, best, sign, largest);
+    Some(FirstModel { one_way, windows: (windows.len(), length_s), reversed: sign < 0.0, ..settled })
 }
 
 /// The balance without the terms that nothing tells, or that cannot be: each is left out by itself, the least known first, for it
@@ -225,6 +242,7 @@ fn settled(windows: &[Window], whole: Fit, sign: f64, largest: f64) -> FirstMode
         viscous: value(term::SPEED),
         offset: Value { value: -offset.value, ..offset },
         gravity,
+        spring: best.spring(sign, largest),
         explained: best.explained,
         left: best.left,
         windows: (windows.len(), 0.0),

@@ -6,8 +6,10 @@ use super::{Columns, Effect, PLAIN, Size, WEIGH, shown, sized};
 pub static EFFECT: Effect = Effect {
     id: "inertia",
     sentence: "The moving inertia is not nominal: payload, coupling or tooling, or a datasheet value without them.",
-    parameters: &[sized(Size::Inertia, 0.3, 4.0, 0.05)],
-    starts: |p, _| vec![vec![p.model.inertia]],
+    // A load or a gear that a datasheet does not know is ten times a motor.
+    parameters: &[sized(Size::Inertia, 0.1, 10.0, 0.05)],
+    // What a far one leaves stands in for noise, behind which no step from the file's own looks worth it.
+    starts: |p, _| [1.0, 0.4, 0.15, 2.5, 6.0].map(|times| vec![times * p.model.inertia]).to_vec(),
     put: |p, v| p.model.inertia = v[0],
     neutral: |p| p.model.inertia,
     columns: Columns::Each,

@@ -15,6 +15,11 @@ fn torque(t_s: f64, phase: f64) -> f64 {
         + if (t_s * 1.3) % 1.0 < 0.2 { 0.0 } else { 0.4 }
 }
 
+/// Moves a rotor of a seventh of the inertia as far as the others move the whole.
+fn slow(t_s: f64, phase: f64) -> f64 {
+    0.7 * (3.1 * t_s + phase).sin() + 0.3 * (11.0 * t_s + 2.0 * phase).sin()
+}
+
 /// Time over which the drive takes the mean of its commands, s.
 const BLUR_S: f64 = 0.016;
 
@@ -64,6 +69,18 @@ fn a_wrong_inertia_that_may_not_be_named_is_no_wrong_gain() {
     println!("{:?} {:?}", found.verdict, found.effects);
     assert_eq!(found.verdict, Verdict::Ambiguous, "{:?}", found.effects);
     assert!(nuisances(&found).contains(&"scale_of_torques"), "{:?}", found.effects);
+}
+
+/// A machine file with a unit mistaken, or a motor that was thought to carry its load.
+#[test]
+fn an_inertia_of_a_seventh_is_named_and_no_resonance() {
+    let others = VOCABULARY.iter().map(|effect| effect.id);
+    let others: Vec<&str> = others.filter(|id| !["inertia", "compliance", "backlash"].contains(id)).collect();
+    let found = concluded(recorded(&Model { inertia: 0.05 / 7.0, ..machine() }, slow), &others);
+    println!("{:?} {:?}", found.verdict, found.effects);
+    assert_eq!(found.effects[0].effect.id, "inertia", "{:?}", found.effects);
+    let value = found.effects[0].intervals[0];
+    assert!((value.value * 7.0 / 0.05 - 1.0).abs() < 0.05, "{value:?}");
 }
 
 #[test]

@@ -147,9 +147,15 @@ fn a_linear_axis_in_mat() {
     println!("{printed}");
     let machine = Machine::read(&folder.path().join("machine.toml")).unwrap();
     assert_eq!(machine.axis.kind, AxisKind::Linear);
+    near(machine.plant.inertia, 12.0, 0.05, "mass, kg");
+    assert_eq!(machine.effects.len(), 1, "{:?}", machine.effects);
+    let spring = &machine.effects[0];
+    assert_eq!(spring.id, "spring_load");
+    near(spring.parameters[0].1, 150.0, 0.05, "spring, N/m");
     answers(folder.path(), "axis.mat");
     let answer = diagnosed(folder.path(), "axis.mat");
-    near(value(&answer, "spring_load", "stiffness_n_m"), 150.0, 0.05, "spring, N/m");
+    near(value(&answer, "cogging", "order_per_m"), 125.0, 0.02, "turns of the screw, 1/m");
+    near(value(&answer, "cogging", "amplitude_n") / torque_gain(&answer), 3.0, 0.1, "cogging, N");
 }
 
 /// A small pendulum, 0.15 N m level, whose drive has no delay and holds each command of the log for 2 ms, without noise.

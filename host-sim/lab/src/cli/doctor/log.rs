@@ -228,8 +228,7 @@ fn balance(model: Option<&FirstModel>, units: &EffortUnits) -> Check {
         ""
     };
     if !model.is_trusted() {
-        let message =
-            "of the effort are explained by inertia, friction, offset and gravity: no value of them is to be trusted";
+        let message = "of the effort are explained by inertia, friction, offset and gravity or a spring: no value of them is to be trusted";
         return note(format!("{percent:.0} % {message}{one_way}"));
     }
     if !model.inertia.is_known() || model.inertia.value < 0.0 {

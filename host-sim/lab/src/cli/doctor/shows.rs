@@ -47,10 +47,14 @@ fn physics(axis: &Axis, model: &FirstModel, delay_s: f64) -> Option<Physics> {
     nominal.torque_offset = told(model.offset);
     nominal.torque_delay_s = delay_s;
     let mut physics = Physics::new(nominal);
-    if let (Some((amplitude, phase_rad)), Some(gravity)) = (model.gravity, find("gravity_load"))
-        && let Some(values) = (gravity.fitted)(&[amplitude.value, phase_rad], None)
-    {
-        (gravity.put)(&mut physics, &values);
+    let gravity = model.gravity.map(|(amplitude, phase_rad)| ("gravity_load", vec![amplitude.value, phase_rad]));
+    let spring = model.spring.map(|stiffness| ("spring_load", vec![stiffness.value]));
+    for (id, given) in gravity.into_iter().chain(spring) {
+        if let Some(effect) = find(id)
+            && let Some(values) = (effect.fitted)(&given, None)
+        {
+            (effect.put)(&mut physics, &values);
+        }
     }
     (axis.sample_period_s > 0.0 && inertia.is_finite() && inertia > 0.0).then_some(physics)
 }

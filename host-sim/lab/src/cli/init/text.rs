@@ -54,13 +54,29 @@ pub(super) fn machine_file(findings: &Findings<'_>) -> String {
             let _ = writeln!(text, "{} # {unsure}{because}", guess.mapped.to_toml(findings.axis.kind));
         }
     }
-    let weight = findings.model.as_ref().and_then(|model| Some((model, model.gravity?)));
-    if let Some((model, (amplitude, phase_rad))) = weight {
-        text += "\n# Weight on an arm: amplitude sin(position + phase) is what holds it.\n[[effects]]\nid = \"gravity_load\"\n";
-        let (value, comment) = (digits(amplitude.value), interval(model, amplitude, &effort_units(findings).effort));
-        let _ = write!(text, "amplitude_nm = {value} # {comment}\nphase_rad = {}\n", digits(phase_rad));
+    if let Some(model) = &findings.model {
+        load(&mut text, findings, model);
     }
     text
+}
+
+/// Gravity or a spring as the effects of a machine file.
+fn load(text: &mut String, findings: &Findings<'_>, model: &FirstModel) {
+    let units = effort_units(findings);
+    if let Some((amplitude, phase_rad)) = model.gravity {
+        *text += "\n# Weight on an arm: amplitude sin(position + phase) is what holds it.\n[[effects]]\nid = \"gravity_load\"\n";
+        let (value, comment) = (digits(amplitude.value), interval(model, amplitude, &units.effort));
+        let _ = write!(text, "amplitude_nm = {value} # {comment}\nphase_rad = {}\n", digits(phase_rad));
+    }
+    if let Some(stiffness) = model.spring {
+        *text += "\n# A spring, or what pulls back like one: stiffness times position is what holds it.\n[[effects]]\nid = \"spring_load\"\n";
+        let key = match findings.axis.kind {
+            AxisKind::Rotary => "stiffness_nm_rad",
+            AxisKind::Linear => "stiffness_n_m",
+        };
+        let _ =
+            writeln!(text, "{key} = {} # {}", digits(stiffness.value), interval(model, stiffness, &units.stiffness));
+    }
 }
 
 fn axis(findings: &Findings<'_>) -> [Line; 2] {
@@ -167,7 +183,7 @@ pub(super) fn summary(findings: &Findings<'_>, machine: &Machine, file: &Path) -
     lines("", axis(findings).into());
     lines("first model, by robust least squares\n", plant(findings));
     let units = effort_units(findings);
-    text += &how_good(findings.model.as_ref(), kind, &units.effort);
+    text += &how_good(findings.model.as_ref(), kind, &units);
     if !units.scale_is_known {
         let EffortUnits { effort, .. } = &units;
         let own = Units::of(kind).effort;
@@ -201,8 +217,8 @@ fn next(findings: &Findings<'_>, machine: &Machine, file: &Path) -> String {
     format!("next: {}", slow.or_else(refused).unwrap_or_else(diagnosis))
 }
 
-/// Gravity, and how much of the effort the model explains.
-fn how_good(model: Option<&FirstModel>, kind: AxisKind, unit: &str) -> String {
+/// Gravity or a spring, and how much of the effort the model explains.
+fn how_good(model: Option<&FirstModel>, kind: AxisKind, units: &EffortUnits) -> String {
     let Some(model) = model else {
         return "UNSURE  nothing moves enough for a first model, or no effort acts\n".to_owned();
     };
@@ -211,10 +227,14 @@ fn how_good(model: Option<&FirstModel>, kind: AxisKind, unit: &str) -> String {
         let value = format!(
             "{} {}, phase {} rad",
             digits(amplitude.value),
-            interval(model, amplitude, unit),
+            interval(model, amplitude, &units.effort),
             digits(phase_rad)
         );
         let _ = writeln!(text, "        {:16} {value}", "gravity");
+    }
+    if let Some(stiffness) = model.spring {
+        let value = format!("{} {}", digits(stiffness.value), interval(model, stiffness, &units.stiffness));
+        let _ = writeln!(text, "        {:16} {value}", "spring");
     }
     let (percent, effort) = (100.0 * model.explained, Units::of(kind).effort_name);
     let note = if !model.is_trusted() {

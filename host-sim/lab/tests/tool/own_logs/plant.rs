@@ -22,9 +22,10 @@ pub fn cogging_joint(period_s: f64) -> Vec<[f64; 3]> {
     run(&model, [8.0, 0.3, 0.6], period_s, 1e-4)
 }
 
-/// A linear axis that a spring of 150 N/m pulls back, logged every `period_s`.
+/// A linear axis that a spring of 150 N/m pulls back, on a screw of 8 mm that cogs by 3 N once a turn, logged every `period_s`.
 pub fn sprung_axis(period_s: f64) -> Vec<[f64; 3]> {
-    let model = Model { coulomb: 9.0, viscous: 40.0, spring_stiffness: 150.0, ..Model::new(12.0) };
+    let cogging = vec![Harmonic { amplitude: 3.0, order: 125.0, phase_rad: 0.5 }];
+    let model = Model { coulomb: 9.0, viscous: 40.0, spring_stiffness: 150.0, cogging, ..Model::new(12.0) };
     run(&model, [9000.0, 250.0, 0.05], period_s, 1e-6)
 }
 
