@@ -8,8 +8,7 @@ pub static EFFECT: Effect = Effect {
     sentence: "The moving inertia is not nominal: payload, coupling or tooling, or a datasheet value without them.",
     // A load or a gear that a datasheet does not know is ten times a motor.
     parameters: &[sized(Size::Inertia, 0.1, 10.0, 0.05)],
-    // What a far one leaves stands in for noise, behind which no step from the file's own looks worth it.
-    starts: |p, _| [1.0, 0.4, 0.15, 2.5, 6.0].map(|times| vec![times * p.model.inertia]).to_vec(),
+    starts: |p, _| vec![vec![p.model.inertia]],
     put: |p, v| p.model.inertia = v[0],
     neutral: |p| p.model.inertia,
     columns: Columns::Each,
