@@ -216,9 +216,9 @@ fn balance(axis: &Axis, recordings: &[Recording], windows: &[Window], length_s: 
     let tried = [&[CONSTANT, DIRECTION, SPEED, SINE, COSINE][..], &[DIRECTION, SPEED, SINE, COSINE]];
     let mut with_gravity = tried.into_iter().filter(|_| turns).filter_map(of);
     let gravity = with_gravity.find(|fit| enough(fit) && fit.gravity().is_some());
-    let spring = || of(&[CONSTANT, DIRECTION, SPEED, POSITION]).filter(enough);
-    let spring = gravity.or_else(|| spring().filter(|fit| fit.spring(sign(fit), largest).is_some()));
-    let best = spring.unwrap_or(plain);
+    let is_spring = |fit: &Fit| enough(fit) && fit.spring(sign(fit), largest).is_some();
+    let spring = || of(&[CONSTANT, DIRECTION, SPEED, POSITION]).filter(is_spring);
+    let best = gravity.or_else(spring).unwrap_or(plain);
     let sign = sign(&best);
     let settled = settled(windows, best, sign, largest);
     Some(FirstModel { one_way, windows: (windows.len(), length_s), reversed: sign < 0.0, ..settled })
