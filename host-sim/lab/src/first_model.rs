@@ -56,6 +56,25 @@ impl Value {
     }
 }
 
+/// What holds the axis at a position.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Load {
+    /// Amplitude, N m, and phase, rad; of a rotary axis.
+    Gravity(Value, f64),
+    /// Stiffness of a spring to the position 0, N m/rad (N/m).
+    Spring(Value),
+}
+
+impl Load {
+    /// The effect of the vocabulary that it is, and its parameters.
+    pub fn effect(self) -> (&'static str, Vec<f64>) {
+        match self {
+            Self::Gravity(amplitude, phase_rad) => ("gravity_load", vec![amplitude.value, phase_rad]),
+            Self::Spring(stiffness) => ("spring_load", vec![stiffness.value]),
+        }
+    }
+}
+
 /// What least squares say of a machine; units of the machine file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FirstModel {
@@ -67,10 +86,8 @@ pub struct FirstModel {
     pub viscous: Value,
     /// N m (N).
     pub offset: Value,
-    /// Amplitude, N m, and phase, rad; none on a linear axis and where it explains little.
-    pub gravity: Option<(Value, f64)>,
-    /// Stiffness of a spring to the position 0, N m/rad (N/m); none beside gravity and where it explains little.
-    pub spring: Option<Value>,
+    /// None where it explains little.
+    pub load: Option<Load>,
     /// Share of the effort the balance explains, 0 to 1.
     pub explained: f64,
     /// Mean square of what is left, (N m)^2 (N^2).
@@ -235,14 +252,14 @@ fn settled(windows: &[Window], whole: Fit, sign: f64, largest: f64) -> FirstMode
         Value { value: sign * value.value, ..value }
     };
     let offset = value(term::CONSTANT);
-    let gravity = best.gravity().map(|amplitude| (amplitude, value(term::COSINE).value.atan2(value(term::SINE).value)));
+    let phase_rad = || value(term::COSINE).value.atan2(value(term::SINE).value);
+    let gravity = best.gravity().map(|amplitude| Load::Gravity(amplitude, phase_rad()));
     FirstModel {
         inertia: Value { value: sign * best.values[0].value, ..best.values[0] },
         coulomb: value(term::DIRECTION),
         viscous: value(term::SPEED),
         offset: Value { value: -offset.value, ..offset },
-        gravity,
-        spring: best.spring(sign, largest),
+        load: gravity.or_else(|| best.spring(sign, largest).map(Load::Spring)),
         explained: best.explained,
         left: best.left,
         windows: (windows.len(), 0.0),

@@ -6,7 +6,7 @@ use diagnosis::problem::Problem;
 use diagnosis::recorded::Recorded;
 
 use super::{Check, State};
-use crate::first_model::FirstModel;
+use crate::first_model::{FirstModel, Load};
 use crate::guide::{Clear, Shown, shown};
 use crate::read::{Axis, AxisKind, Machine, Recording};
 use crate::report::html::measure;
@@ -47,14 +47,11 @@ fn physics(axis: &Axis, model: &FirstModel, delay_s: f64) -> Option<Physics> {
     nominal.torque_offset = told(model.offset);
     nominal.torque_delay_s = delay_s;
     let mut physics = Physics::new(nominal);
-    let gravity = model.gravity.map(|(amplitude, phase_rad)| ("gravity_load", vec![amplitude.value, phase_rad]));
-    let spring = model.spring.map(|stiffness| ("spring_load", vec![stiffness.value]));
-    for (id, given) in gravity.into_iter().chain(spring) {
-        if let Some(effect) = find(id)
-            && let Some(values) = (effect.fitted)(&given, None)
-        {
-            (effect.put)(&mut physics, &values);
-        }
+    if let Some((id, given)) = model.load.map(Load::effect)
+        && let Some(effect) = find(id)
+        && let Some(values) = (effect.fitted)(&given, None)
+    {
+        (effect.put)(&mut physics, &values);
     }
     (axis.sample_period_s > 0.0 && inertia.is_finite() && inertia > 0.0).then_some(physics)
 }

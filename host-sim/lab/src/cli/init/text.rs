@@ -6,10 +6,10 @@ use std::path::Path;
 use super::{Findings, name};
 use crate::cli::effort_units::EffortUnits;
 use crate::cli::velocity_check::wrong_velocity;
-use crate::first_model::{FirstModel, Value};
+use crate::first_model::{FirstModel, Load, Value};
 use crate::precheck::windows::median_period_s;
 use crate::precheck::{Purpose, Severity, check, wrong_rate};
-use crate::read::{AxisKind, Machine};
+use crate::read::{AxisKind, Machine, vocabulary};
 use crate::report::Units;
 
 /// In four digits, as many as a first guess has.
@@ -54,28 +54,32 @@ pub(super) fn machine_file(findings: &Findings<'_>) -> String {
             let _ = writeln!(text, "{} # {unsure}{because}", guess.mapped.to_toml(findings.axis.kind));
         }
     }
-    if let Some(model) = &findings.model {
-        load(&mut text, findings, model);
+    if let Some((model, load)) = findings.model.as_ref().and_then(|model| Some((model, model.load?))) {
+        effect(&mut text, findings, model, load);
     }
     text
 }
 
-/// Gravity or a spring as the effects of a machine file.
-fn load(text: &mut String, findings: &Findings<'_>, model: &FirstModel) {
+/// What holds the axis as an effect of a machine file.
+fn effect(text: &mut String, findings: &Findings<'_>, model: &FirstModel, load: Load) {
     let units = effort_units(findings);
-    if let Some((amplitude, phase_rad)) = model.gravity {
-        *text += "\n# Weight on an arm: amplitude sin(position + phase) is what holds it.\n[[effects]]\nid = \"gravity_load\"\n";
-        let (value, comment) = (digits(amplitude.value), interval(model, amplitude, &units.effort));
-        let _ = write!(text, "amplitude_nm = {value} # {comment}\nphase_rad = {}\n", digits(phase_rad));
-    }
-    if let Some(stiffness) = model.spring {
-        *text += "\n# A spring, or what pulls back like one: stiffness times position is what holds it.\n[[effects]]\nid = \"spring_load\"\n";
-        let key = match findings.axis.kind {
-            AxisKind::Rotary => "stiffness_nm_rad",
-            AxisKind::Linear => "stiffness_n_m",
-        };
-        let _ =
-            writeln!(text, "{key} = {} # {}", digits(stiffness.value), interval(model, stiffness, &units.stiffness));
+    let (holds, first, unit) = match load {
+        Load::Gravity(amplitude, _) => {
+            ("Weight on an arm: amplitude sin(position + phase) is what holds it.", amplitude, units.effort)
+        }
+        Load::Spring(stiffness) => (
+            "A spring, or what pulls back like one: stiffness times position is what holds it.",
+            stiffness,
+            units.stiffness,
+        ),
+    };
+    let (id, values) = load.effect();
+    let _ = write!(text, "\n# {holds}\n[[effects]]\nid = \"{id}\"\n");
+    let kinds = vocabulary::effect(id).map_or(&[][..], |kind| kind.parameters);
+    let mut comment = format!(" # {}", interval(model, first, &unit));
+    for (kind, value) in kinds.iter().zip(values) {
+        let _ = writeln!(text, "{} = {}{comment}", kind.id(findings.axis.kind), digits(value));
+        comment.clear();
     }
 }
 
@@ -223,19 +227,16 @@ fn how_good(model: Option<&FirstModel>, kind: AxisKind, units: &EffortUnits) -> 
         return "UNSURE  nothing moves enough for a first model, or no effort acts\n".to_owned();
     };
     let mut text = String::new();
-    if let Some((amplitude, phase_rad)) = model.gravity {
-        let value = format!(
-            "{} {}, phase {} rad",
-            digits(amplitude.value),
-            interval(model, amplitude, &units.effort),
-            digits(phase_rad)
-        );
-        let _ = writeln!(text, "        {:16} {value}", "gravity");
-    }
-    if let Some(stiffness) = model.spring {
-        let value = format!("{} {}", digits(stiffness.value), interval(model, stiffness, &units.stiffness));
-        let _ = writeln!(text, "        {:16} {value}", "spring");
-    }
+    let line = |name, value: Value, unit| {
+        format!("        {name:16} {} {}", digits(value.value), interval(model, value, unit))
+    };
+    let _ = match model.load {
+        Some(Load::Gravity(amplitude, phase_rad)) => {
+            writeln!(text, "{}, phase {} rad", line("gravity", amplitude, &units.effort), digits(phase_rad))
+        }
+        Some(Load::Spring(stiffness)) => writeln!(text, "{}", line("spring", stiffness, &units.stiffness)),
+        None => Ok(()),
+    };
     let (percent, effort) = (100.0 * model.explained, Units::of(kind).effort_name);
     let note = if !model.is_trusted() {
         ": too little to trust it; is the torque column the right one, is its unit, does the axis accelerate?"
